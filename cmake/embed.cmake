@@ -1,0 +1,10 @@
+# Writes OUT: a table from file name below ROOT to text, as backends/gl/shader_text.h declares it.
+file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/*)
+list(SORT files)
+set(text "// Written by cmake/embed.cmake.\n#include \"backends/gl/shader_text.h\"\n\nnamespace pliant::gl {\n\nconst std::map<std::string, std::string>& shader_texts() {\n  static const std::map<std::string, std::string> texts{\n")
+foreach(file ${files})
+  file(READ ${ROOT}/${file} content)
+  string(APPEND text "{\"${file}\", R\"PLIANT(${content})PLIANT\"},\n")
+endforeach()
+string(APPEND text "  };\n  return texts;\n}\n\n} // namespace pliant::gl\n")
+file(WRITE ${OUT} "${text}")
