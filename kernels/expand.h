@@ -38,7 +38,9 @@
   }                                                                                                          \
   ;                                                                                                          \
   inline constexpr ::pliant::KernelInfo kernel_info{kernel_name, group_size, fields};                        \
-  inline const ::pliant::KernelInfo& Args::info() { return kernel_info; }                                    \
+  inline const ::pliant::KernelInfo& Args::info() {                                                          \
+    return kernel_info;                                                                                      \
+  }                                                                                                          \
   }
 #include PLIANT_DECL
 #include "kernels/expand_end.h"

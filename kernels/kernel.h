@@ -8,9 +8,9 @@
 //        `-- the GLSL interface block, which the GL backend writes from info()
 //
 // A declaration uses the types real, real4, uint and uint4 only: `real` is float in GLSL and float or double
-// on the CPU. An option is a number fixed when the shader is compiled; a parameter may change every dispatch; a
-// table is a small uniform block; a buffer is a storage block in an explicit slot, at most 8 a kernel, which is
-// all that OpenGL 4.3 promises.
+// on the CPU. An option is a number fixed when the shader is compiled; a parameter may change every dispatch;
+// a table is a small uniform block; a buffer is a storage block in an explicit slot, at most 8 a kernel,
+// which is all that OpenGL 4.3 promises.
 #pragma once
 
 #include <cstddef>
@@ -22,9 +22,7 @@ namespace pliant {
 class BufferStorage; // engine/device/device.h
 
 /// A group of four reals: the vector of this engine. The fourth component is named where it is used.
-template <class real> struct alignas(4 * sizeof(real)) Real4 {
-  real x, y, z, w;
-};
+template <class real> struct alignas(4 * sizeof(real)) Real4 { real x, y, z, w; };
 struct alignas(16) Uint4 {
   std::uint32_t x, y, z, w;
 };

@@ -42,7 +42,9 @@ public:
   }
   HostBuffer(const HostBuffer&) = delete;
   HostBuffer& operator=(const HostBuffer&) = delete;
-  void* data() const { return data_; }
+  void* data() const {
+    return data_;
+  }
 
 private:
   static constexpr std::size_t alignment = 64, page = 4096;
@@ -86,8 +88,8 @@ public:
 
   Buffer allocate(std::string_view name, Type type, std::size_t count) override {
     omp_set_num_threads(static_cast<int>(info_.threads));
-    auto buffer =
-        std::make_unique<HostBuffer>(name, type, count, count * element_bytes(type, info_.precision), allocated_);
+    auto buffer = std::make_unique<HostBuffer>(name, type, count,
+                                               count * element_bytes(type, info_.precision), allocated_);
     peak_ = std::max(peak_, allocated_);
     return Buffer(std::move(buffer));
   }
@@ -101,7 +103,8 @@ public:
   void copy(const BufferStorage* from, BufferStorage* to) override {
     std::memcpy(memory(to), memory(from), std::min(from->bytes(), to->bytes()));
   }
-  std::unique_ptr<Readback> request(const BufferStorage* buffer, std::size_t first, std::size_t bytes) override {
+  std::unique_ptr<Readback> request(const BufferStorage* buffer, std::size_t first,
+                                    std::size_t bytes) override {
     return std::make_unique<HostReadback>(memory(buffer) + first, bytes);
   }
 
@@ -118,7 +121,8 @@ public:
   void enter(std::string_view component) override {
     if (!measuring_) return;
     const auto now = Clock::now();
-    if (!component_.empty()) spent_[component_] += std::chrono::duration<double, std::milli>(now - since_).count();
+    if (!component_.empty())
+      spent_[component_] += std::chrono::duration<double, std::milli>(now - since_).count();
     component_ = component;
     since_ = now;
   }
@@ -144,7 +148,8 @@ private:
     if (known != bodies_.end()) return known->second;
     const Body found = find_body(kernel.name, info_.precision);
     if (!found)
-      throw Error(ExitCode::internal, std::string("kernel '") + kernel.name + "' has no body on the CPU backend");
+      throw Error(ExitCode::internal,
+                  std::string("kernel '") + kernel.name + "' has no body on the CPU backend");
     bodies_.emplace(&kernel, found);
     prepared_.emplace_back(kernel.name);
     return found;
@@ -167,8 +172,13 @@ std::unique_ptr<Device> make_device(Precision precision, unsigned threads) {
 }
 
 DeviceListing describe() {
-  return {"openmp", processor_name(), std::string("OpenMP ") + std::to_string(_OPENMP) + ", " + instruction_set(), 0,
-          false, true, ""};
+  return {"openmp",
+          processor_name(),
+          std::string("OpenMP ") + std::to_string(_OPENMP) + ", " + instruction_set(),
+          0,
+          false,
+          true,
+          ""};
 }
 
 } // namespace pliant::openmp

@@ -45,8 +45,12 @@ const Choice& choice() {
 
 } // namespace
 
-Body find_body(std::string_view kernel, Precision precision) { return choice().find(kernel, precision); }
+Body find_body(std::string_view kernel, Precision precision) {
+  return choice().find(kernel, precision);
+}
 
-const char* instruction_set() { return choice().name; }
+const char* instruction_set() {
+  return choice().name;
+}
 
 } // namespace pliant::openmp

@@ -11,10 +11,14 @@ namespace pliant {
 std::size_t element_bytes(Type type, Precision precision) {
   const std::size_t real = precision == Precision::double_precision ? 8 : 4;
   switch (type) {
-  case Type::real: return real;
-  case Type::real4: return 4 * real;
-  case Type::uint: return 4;
-  case Type::uint4: return 16;
+  case Type::real:
+    return real;
+  case Type::real4:
+    return 4 * real;
+  case Type::uint:
+    return 4;
+  case Type::uint4:
+    return 16;
   }
   return 0;
 }

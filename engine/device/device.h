@@ -1,8 +1,8 @@
 // The device contract: what a backend promises, and all that the engine knows of it.
 //
-// A device owns buffers and runs kernels on them, in the order of the calls. It knows how to run a kernel from
-// its declaration (kernels/kernel.h), not which kernels there are. Values travel as double at this border and are
-// stored as the device's `real`. Nothing here waits for the device except read() and finish().
+// A device owns buffers and runs kernels on them, in the order of the calls. It knows how to run a kernel
+// from its declaration (kernels/kernel.h), not which kernels there are. Values travel as double at this
+// border and are stored as the device's `real`. Nothing here waits for the device except read() and finish().
 #pragma once
 
 #include "kernels/kernel.h"
@@ -22,12 +22,12 @@ namespace pliant {
 enum class Precision : std::uint8_t { single_precision, double_precision };
 
 struct DeviceInfo {
-  std::string backend;          ///< "openmp" or "gl"
-  std::string name;             ///< processor or GL renderer, as its maker calls it
-  std::string driver;           ///< version of driver or OpenMP runtime
-  bool software = false;        ///< a GL that runs on the CPU
+  std::string backend;   ///< "openmp" or "gl"
+  std::string name;      ///< processor or GL renderer, as its maker calls it
+  std::string driver;    ///< version of driver or OpenMP runtime
+  bool software = false; ///< a GL that runs on the CPU
   Precision precision = Precision::single_precision;
-  unsigned threads = 1;         ///< of the OpenMP backend
+  unsigned threads = 1;                    ///< of the OpenMP backend
   std::size_t max_buffer_bytes = SIZE_MAX; ///< largest single buffer
 };
 
@@ -97,7 +97,8 @@ public:
   virtual void write(BufferStorage* buffer, std::size_t first, std::span<const std::byte> bytes) = 0;
   virtual void read(const BufferStorage* buffer, std::size_t first, std::span<std::byte> bytes) = 0;
   virtual void copy(const BufferStorage* from, BufferStorage* to) = 0;
-  virtual std::unique_ptr<Readback> request(const BufferStorage* buffer, std::size_t first, std::size_t bytes) = 0;
+  virtual std::unique_ptr<Readback> request(const BufferStorage* buffer, std::size_t first,
+                                            std::size_t bytes) = 0;
 
   /// Compiles the variant of a kernel that these options name, so that no step has to.
   virtual void prepare(const KernelInfo& kernel, const void* args) = 0;
@@ -120,7 +121,8 @@ public:
   void upload(BufferStorage* buffer, std::span<const double> values, std::size_t first_real = 0);
   void upload(BufferStorage* buffer, std::span<const Real4<double>> values, std::size_t first = 0);
   void upload(BufferStorage* buffer, std::span<const std::uint32_t> values, std::size_t first = 0);
-  std::vector<double> download_real(const BufferStorage* buffer, std::size_t first = 0, std::size_t count = SIZE_MAX);
+  std::vector<double> download_real(const BufferStorage* buffer, std::size_t first = 0,
+                                    std::size_t count = SIZE_MAX);
   std::vector<Real4<double>> download_real4(const BufferStorage* buffer, std::size_t first = 0,
                                             std::size_t count = SIZE_MAX);
   std::vector<std::uint32_t> download_uint(const BufferStorage* buffer, std::size_t first = 0,
@@ -131,8 +133,8 @@ public:
 struct DeviceRequest {
   std::string backend = "auto"; ///< "auto", "openmp", "gl" or "gl:N"
   Precision precision = Precision::single_precision;
-  unsigned threads = 0;         ///< 0: as many as there are processors
-  bool replay = false;          ///< run every kernel on the CPU too and stop at the first mismatch
+  unsigned threads = 0; ///< 0: as many as there are processors
+  bool replay = false;  ///< run every kernel on the CPU too and stop at the first mismatch
 };
 
 struct DeviceListing {

@@ -8,17 +8,18 @@
 namespace pliant {
 
 struct Sampling {
-  std::vector<Vector3> points;    ///< m, world; a lattice aligned with the shape's own axes
-  std::vector<Vector3> reference; ///< m, the same points in the shape's axes, relative to a lattice point near the centre
+  std::vector<Vector3> points; ///< m, world; a lattice aligned with the shape's own axes
+  std::vector<Vector3>
+      reference; ///< m, the same points in the shape's axes, relative to a lattice point near the centre
   Matrix3 axes = Matrix3::Identity(); ///< world = origin + axes * reference
   Vector3 origin = Vector3::Zero();
-  double volume = 0;              ///< m3, of the shape itself: the particles share it equally
-  std::optional<Mesh> surface;    ///< world position; the mesh, or a triangulation of the analytic shape
+  double volume = 0;                 ///< m3, of the shape itself: the particles share it equally
+  std::optional<Mesh> surface;       ///< world position; the mesh, or a triangulation of the analytic shape
   std::vector<std::string> warnings; ///< e.g. triangles that cross
 };
 
-/// Cell-centred lattice points inside the shape. A box whose edges are whole multiples of the spacing is filled exactly.
-/// Throws Error(usage) for open or empty meshes and for shapes too small to hold a particle.
+/// Cell-centred lattice points inside the shape. A box whose edges are whole multiples of the spacing is
+/// filled exactly. Throws Error(usage) for open or empty meshes and for shapes too small to hold a particle.
 /// `allow_open` (a shell to collide with) skips the closedness check.
 Sampling sample(const Shape& shape, double spacing, const std::filesystem::path& scene_directory);
 

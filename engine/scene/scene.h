@@ -20,40 +20,40 @@ using Matrix3 = Eigen::Matrix3d;
 struct Shape {
   enum class Kind { box, sphere, cylinder, torus, mesh, plane };
   Kind kind = Kind::box;
-  Vector3 at = Vector3::Zero();           ///< m; centre (of a mesh: of its bounding box)
-  Vector3 size = Vector3::Ones();         ///< m; box: edge lengths
-  double radius = 0;                      ///< m; sphere, cylinder; torus: of the ring
-  double tube = 0;                        ///< m; torus: of the tube
-  double height = 0;                      ///< m; cylinder
-  Vector3 normal = {0, 1, 0};             ///< plane: unit normal, pointing to the free side
-  double offset = 0;                      ///< m; plane: points x with normal . x = offset
-  std::string mesh;                       ///< file name as typed
-  std::optional<double> fit;              ///< m; mesh: longest side of its box after scaling
-  std::optional<Vector3> place;           ///< mesh: `at` was given (else the mesh stays where its file puts it)
-  Vector3 rotate_axis = {0, 1, 0};        ///< unit
-  double rotate_degrees = 0;              ///< about `at`
+  Vector3 at = Vector3::Zero();    ///< m; centre (of a mesh: of its bounding box)
+  Vector3 size = Vector3::Ones();  ///< m; box: edge lengths
+  double radius = 0;               ///< m; sphere, cylinder; torus: of the ring
+  double tube = 0;                 ///< m; torus: of the tube
+  double height = 0;               ///< m; cylinder
+  Vector3 normal = {0, 1, 0};      ///< plane: unit normal, pointing to the free side
+  double offset = 0;               ///< m; plane: points x with normal . x = offset
+  std::string mesh;                ///< file name as typed
+  std::optional<double> fit;       ///< m; mesh: longest side of its box after scaling
+  std::optional<Vector3> place;    ///< mesh: `at` was given (else the mesh stays where its file puts it)
+  Vector3 rotate_axis = {0, 1, 0}; ///< unit
+  double rotate_degrees = 0;       ///< about `at`
 };
 
 /// A rigid motion: x(t) = c + R(t)(x0 - c) + velocity t, R about `axis` through `about`.
 struct Motion {
-  Vector3 velocity = Vector3::Zero();     ///< m/s
-  Vector3 axis = {0, 1, 0};               ///< unit
-  Vector3 about = Vector3::Zero();        ///< m; a point of the axis
-  double rate = 0;                        ///< rad/s
-  double start = 0;                       ///< s
-  double end = 1e300;                     ///< s; it stands still afterwards
-  std::optional<bool> release;            ///< free the particles at `end` instead
+  Vector3 velocity = Vector3::Zero(); ///< m/s
+  Vector3 axis = {0, 1, 0};           ///< unit
+  Vector3 about = Vector3::Zero();    ///< m; a point of the axis
+  double rate = 0;                    ///< rad/s
+  double start = 0;                   ///< s
+  double end = 1e300;                 ///< s; it stands still afterwards
+  std::optional<bool> release;        ///< free the particles at `end` instead
 };
 
 struct Material {
   std::string name;
   std::string model = "elastic";
-  std::string law = "corotated";          ///< "corotated" M4, "ordinary" M2, "projective" M1
-  double density = 1000;                  ///< kg/m3
-  double young = 1e5;                     ///< Pa
+  std::string law = "corotated"; ///< "corotated" M4, "ordinary" M2, "projective" M1
+  double density = 1000;         ///< kg/m3
+  double young = 1e5;            ///< Pa
   double poisson = 0.3;
-  double split = 0.5;                     ///< M1 only: share of the deviatoric term, 0 to 1
-  std::string inversion = "clamp";        ///< M1 only: "clamp" or "swap" (the paper's row swap; fails by design)
+  double split = 0.5;              ///< M1 only: share of the deviatoric term, 0 to 1
+  std::string inversion = "clamp"; ///< M1 only: "clamp" or "swap" (the paper's row swap; fails by design)
   Vector3 color = {0.8, 0.45, 0.3};
   bool color_given = false;
 };
@@ -62,10 +62,10 @@ struct Material {
 struct Condition {
   enum class Kind { fixed, moved, loaded };
   Kind kind = Kind::fixed;
-  Shape region;                           ///< in the body's initial position
-  Motion motion;                          ///< moved
-  Vector3 force = Vector3::Zero();        ///< N in total, shared by mass; loaded
-  double start = 0, end = 1e300;          ///< s; loaded
+  Shape region;                    ///< in the body's initial position
+  Motion motion;                   ///< moved
+  Vector3 force = Vector3::Zero(); ///< N in total, shared by mass; loaded
+  double start = 0, end = 1e300;   ///< s; loaded
 };
 
 struct MaterialRegion {
@@ -77,13 +77,13 @@ struct Body {
   std::string name;
   std::string material;
   Shape shape;
-  Vector3 velocity = Vector3::Zero();     ///< m/s
-  Vector3 spin = Vector3::Zero();         ///< rad/s, about the centre of mass
-  std::vector<MaterialRegion> regions;    ///< later ones win
+  Vector3 velocity = Vector3::Zero();  ///< m/s
+  Vector3 spin = Vector3::Zero();      ///< rad/s, about the centre of mass
+  std::vector<MaterialRegion> regions; ///< later ones win
   std::vector<Condition> conditions;
   /// Initial deformation of the particles about the centre of mass: y = c + F (x - c). Identity by default.
   Matrix3 deform = Matrix3::Identity();
-  std::string start = "";                 ///< "", "flat" (onto the plane x = c), "line", "point", "random", "mirror"
+  std::string start = ""; ///< "", "flat" (onto the plane x = c), "line", "point", "random", "mirror"
   std::optional<Vector3> color;
   bool self_contact = true;
 };
@@ -92,69 +92,69 @@ struct Body {
 struct Boundary {
   std::string name;
   Shape shape;
-  bool inside = false;                    ///< keep particles inside instead of outside (box, sphere, mesh)
+  bool inside = false; ///< keep particles inside instead of outside (box, sphere, mesh)
   bool slip = true;
-  double friction = 0.0;                  ///< Coulomb coefficient where slip
+  double friction = 0.0; ///< Coulomb coefficient where slip
   Motion motion;
   bool visible = true;
 };
 
 struct SimulationSettings {
-  double spacing = 0;                     ///< m, between particles; required
-  double horizon = 1.87;                  ///< in spacings
-  double time_step = 1.0 / 60;            ///< s
-  double end = 1;                         ///< s
-  Vector3 gravity = {0, -9.81, 0};        ///< m/s2
-  std::string weights = "matched";        ///< "matched" (m2 or m4 as the law needs) or "normalised"
-  double weight_exponent = -0.7;          ///< base influence r^p
+  double spacing = 0;              ///< m, between particles; required
+  double horizon = 1.87;           ///< in spacings
+  double time_step = 1.0 / 60;     ///< s
+  double end = 1;                  ///< s
+  Vector3 gravity = {0, -9.81, 0}; ///< m/s2
+  std::string weights = "matched"; ///< "matched" (m2 or m4 as the law needs) or "normalised"
+  double weight_exponent = -0.7;   ///< base influence r^p
 };
 
 struct SolverSettings {
-  std::string method = "chebyshev";       ///< "chebyshev" or "jacobi"
-  double tolerance = 1e-3;                ///< relative residual
-  unsigned iterations = 1000;             ///< a cap
+  std::string method = "chebyshev";          ///< "chebyshev" or "jacobi"
+  double tolerance = 1e-3;                   ///< relative residual
+  unsigned iterations = 1000;                ///< a cap
   std::string integrator = "implicit-euler"; ///< or "bdf2"
-  double under_relaxation = 0.9;          ///< gamma of section 6 of the method's description
-  unsigned delay = 10;                    ///< plain iterations before acceleration
-  std::optional<double> spectral_radius;  ///< overrides the bound
+  double under_relaxation = 0.9;             ///< gamma of section 6 of the method's description
+  unsigned delay = 10;                       ///< plain iterations before acceleration
+  std::optional<double> spectral_radius;     ///< overrides the bound
   bool restore_momentum = true;
 };
 
 struct ContactSettings {
-  bool bodies = true;                     ///< between particles of different bodies
-  bool self = false;                      ///< between particles of one body that are not bonded
-  double distance = 0.9;                  ///< in spacings
-  double friction = 0.3;                  ///< Coulomb coefficient between particles
+  bool bodies = true;    ///< between particles of different bodies
+  bool self = false;     ///< between particles of one body that are not bonded
+  double distance = 0.9; ///< in spacings
+  double friction = 0.3; ///< Coulomb coefficient between particles
 };
 
 struct OutputSettings {
   double fps = 30;
-  std::vector<std::string> fields;        ///< "velocity", "displacement", "strain", "energy"
-  bool data = true;                       ///< run.vtkhdf and run.xmf
+  std::vector<std::string> fields; ///< "velocity", "displacement", "strain", "energy"
+  bool data = true;                ///< run.vtkhdf and run.xmf
 };
 
 struct Camera {
   Vector3 eye = Vector3::Zero(), look = Vector3::Zero();
   Vector3 up = {0, 1, 0};
-  double fov = 40;                        ///< degrees, vertical
+  double fov = 40; ///< degrees, vertical
 };
 
 struct RenderSettings {
-  bool given = false;                     ///< a [render] table is present
+  bool given = false; ///< a [render] table is present
   std::array<unsigned, 2> size = {1280, 720};
-  std::optional<Camera> camera;           ///< else it frames the scene
-  std::string show = "surface";           ///< "surface" (skinned mesh where there is one) or "particles"
-  std::string color = "body";             ///< "body" or a field
+  std::optional<Camera> camera;               ///< else it frames the scene
+  std::string show = "surface";               ///< "surface" (skinned mesh where there is one) or "particles"
+  std::string color = "body";                 ///< "body" or a field
   std::optional<std::array<double, 2>> range; ///< of the field
   bool ground = true;
-  unsigned samples = 4;                   ///< anti-aliasing
+  unsigned samples = 4; ///< anti-aliasing
 };
 
 struct Scene {
   int format = 1;
   std::string name;
   std::string description;
-  std::filesystem::path file;             ///< as given; meshes are sought beside it
+  std::filesystem::path file; ///< as given; meshes are sought beside it
   SimulationSettings simulation;
   SolverSettings solver;
   ContactSettings contact;

@@ -1,0 +1,63 @@
+// The residual and what follows from it; see kernels/residual_control.decl.
+#include "kernels/residual_control.h"
+#include "backends/openmp/body.h"
+#include "backends/openmp/math.h"
+#include "shaders/common/solver.glsl"
+
+namespace pliant::openmp::PLIANT_ISA {
+
+template <class real> void residual_control(const kernels::residual_control::View<real>& k) {
+  real sum = 0;
+  for (uint p = 0; p < k.partial_count; ++p) sum += k.residual_partial[p];
+  real* const solver = k.solver;
+  if (k.iteration > 0 && solver[SOLVER_STOP] > 0) {
+    solver[SOLVER_ACTION] = 0;
+    return;
+  }
+  const real e = root(sum);
+  const bool finite = __builtin_isfinite(e);
+  if (k.iteration == 0) {
+    solver[SOLVER_STOP] = 0;
+    solver[SOLVER_ONE_MINUS_RHO] = k.one_minus_rho;
+    solver[SOLVER_GAMMA] = k.gamma;
+    solver[SOLVER_FIRST] = e;
+    solver[SOLVER_BEST] = finite ? e : real(3e38);
+    solver[SOLVER_RESTARTS] = 0;
+    solver[SOLVER_ITERATIONS] = 0;
+    solver[SOLVER_REASON] = 3;
+    solver[SOLVER_DELAY] = static_cast<real>(k.delay);
+    solver[SOLVER_ACCELERATE] = static_cast<real>(k.accelerate);
+  }
+  solver[SOLVER_CURRENT] = e;
+  solver[SOLVER_ACTION] = 0;
+  if (k.restart) {
+    // Another set of contacts is another problem: its residuals are not compared with the old ones.
+    solver[SOLVER_START] = static_cast<real>(k.iteration);
+    if (finite) {
+      solver[SOLVER_BEST] = e;
+      solver[SOLVER_FIRST] = k.iteration == 0 ? e : larger(e, solver[SOLVER_FIRST]);
+      solver[SOLVER_ITERATIONS] = static_cast<real>(k.iteration);
+      solver[SOLVER_ACTION] = 1;
+    }
+  }
+  if (!finite || e > 3 * solver[SOLVER_BEST]) {
+    solver[SOLVER_ACTION] = 2;
+    solver[SOLVER_RESTARTS] += 1;
+    solver[SOLVER_START] = static_cast<real>(k.iteration + 1);
+    solver[SOLVER_ONE_MINUS_RHO] = smaller(2 * solver[SOLVER_ONE_MINUS_RHO], real(1));
+    if (solver[SOLVER_RESTARTS] >= 3)
+      solver[SOLVER_GAMMA] = larger(real(0.7) * solver[SOLVER_GAMMA], real(0.1));
+  } else if (e <= solver[SOLVER_BEST]) {
+    solver[SOLVER_ACTION] = 1;
+    solver[SOLVER_BEST] = e;
+    solver[SOLVER_ITERATIONS] = static_cast<real>(k.iteration);
+  }
+  if (finite && (e <= k.floor_residual || e <= k.tolerance * solver[SOLVER_FIRST])) {
+    solver[SOLVER_STOP] = 1;
+    solver[SOLVER_REASON] = e <= k.floor_residual ? real(2) : real(1);
+  }
+}
+
+PLIANT_BODY(residual_control)
+
+} // namespace pliant::openmp::PLIANT_ISA

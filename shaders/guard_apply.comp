@@ -1,0 +1,14 @@
+// Keeps or restores the best iterate; see kernels/guard_apply.decl.
+#include "common/solver.glsl"
+
+void main() {
+  uint i = thread_index();
+  if (i >= threads) return;
+  float action = solver[SOLVER_ACTION];
+  if (action == 1.0) {
+    best_iterate[i] = earlier_iterate[i];
+  } else if (action == 2.0) {
+    displacement[i] = best_iterate[i];
+    earlier_iterate[i] = best_iterate[i];
+  }
+}

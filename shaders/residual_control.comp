@@ -1,0 +1,62 @@
+// The residual and what follows from it; see kernels/residual_control.decl.
+#include "common/solver.glsl"
+
+shared float group_sum[256];
+
+void main() {
+  uint lane = gl_LocalInvocationIndex;
+  float sum = 0.0;
+  for (uint k = lane; k < partial_count; k += 256) sum += residual_partial[k];
+  group_sum[lane] = sum;
+  barrier();
+  for (uint half_width = 128; half_width > 0; half_width /= 2) {
+    if (lane < half_width) group_sum[lane] += group_sum[lane + half_width];
+    barrier();
+  }
+  if (lane != 0) return;
+  if (iteration > 0 && solver[SOLVER_STOP] > 0.0) {
+    solver[SOLVER_ACTION] = 0.0;
+    return;
+  }
+  float e = sqrt(group_sum[0]);
+  bool finite = !isnan(e) && !isinf(e);
+  if (iteration == 0) {
+    solver[SOLVER_STOP] = 0.0;
+    solver[SOLVER_ONE_MINUS_RHO] = one_minus_rho;
+    solver[SOLVER_GAMMA] = gamma;
+    solver[SOLVER_FIRST] = e;
+    solver[SOLVER_BEST] = finite ? e : 3e38;
+    solver[SOLVER_RESTARTS] = 0.0;
+    solver[SOLVER_ITERATIONS] = 0.0;
+    solver[SOLVER_REASON] = 3.0;
+    solver[SOLVER_DELAY] = float(delay);
+    solver[SOLVER_ACCELERATE] = float(accelerate);
+  }
+  solver[SOLVER_CURRENT] = e;
+  solver[SOLVER_ACTION] = 0.0;
+  if (restart != 0) {
+    // Another set of contacts is another problem: its residuals are not compared with the old ones.
+    solver[SOLVER_START] = float(iteration);
+    if (finite) {
+      solver[SOLVER_BEST] = e;
+      solver[SOLVER_FIRST] = iteration == 0 ? e : max(e, solver[SOLVER_FIRST]);
+      solver[SOLVER_ITERATIONS] = float(iteration);
+      solver[SOLVER_ACTION] = 1.0;
+    }
+  }
+  if (!finite || e > 3.0 * solver[SOLVER_BEST]) {
+    solver[SOLVER_ACTION] = 2.0;
+    solver[SOLVER_RESTARTS] += 1.0;
+    solver[SOLVER_START] = float(iteration + 1);
+    solver[SOLVER_ONE_MINUS_RHO] = min(2.0 * solver[SOLVER_ONE_MINUS_RHO], 1.0);
+    if (solver[SOLVER_RESTARTS] >= 3.0) solver[SOLVER_GAMMA] = max(0.7 * solver[SOLVER_GAMMA], 0.1);
+  } else if (e <= solver[SOLVER_BEST]) {
+    solver[SOLVER_ACTION] = 1.0;
+    solver[SOLVER_BEST] = e;
+    solver[SOLVER_ITERATIONS] = float(iteration);
+  }
+  if (finite && (e <= floor_residual || e <= tolerance * solver[SOLVER_FIRST])) {
+    solver[SOLVER_STOP] = 1.0;
+    solver[SOLVER_REASON] = e <= floor_residual ? 2.0 : 1.0;
+  }
+}
