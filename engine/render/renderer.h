@@ -1,0 +1,42 @@
+// Pictures of a simulation, drawn by OpenGL without a display. Implemented in backends/gl/render.
+//
+// The renderer shares the GL context of the simulation's device and draws from its buffers; where the
+// simulation runs on the CPU it makes a context of its own and copies positions over, once a frame.
+#pragma once
+
+#include "engine/device/device.h"
+#include "engine/model/model.h"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// 8-bit RGB, row by row from the top.
+struct Image {
+  unsigned width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+/// What changes from frame to frame. Buffers belong to the simulation's device; world coordinates, m.
+struct RenderState {
+  const BufferStorage* particle = nullptr; ///< real4 a particle: world position; w: field value
+  const BufferStorage* vertex =
+      nullptr;     ///< real4 a vertex of all carried meshes, body after body: position; w: field
+  double time = 0; ///< s
+};
+
+class Renderer {
+public:
+  virtual ~Renderer() = default;
+  virtual Image draw(Device& simulation, const RenderState& state) = 0;
+};
+
+/// The boundaries' motions are evaluated at RenderState::time. `field_label` names the field and its unit for
+/// the legend when scene.render.color is not "body". Throws Error(no_device) naming the package to install.
+std::unique_ptr<Renderer> make_renderer(Device& simulation, const Scene& scene, const Model& model,
+                                        const std::string& field_label = "");
+
+} // namespace pliant
