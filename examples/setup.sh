@@ -1,4 +1,4 @@
-# shellcheck shell=bash
+# shellcheck shell=bash disable=SC2034 # the lists are for those who source this
 # What the two commands share: packages, meshes, configuring and building. Sourced, not run, by
 # examples/main-job.sh and tests/run.sh. What is there already is left alone, and then no network is needed.
 
@@ -51,9 +51,10 @@ update_package_lists() {
 
 # install_packages NAME...: installs what is missing; touches no network when nothing is.
 install_packages() {
-  command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
+  if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
     fail "this is not a Debian system: dpkg-query or apt-get is missing" \
       "Install by hand what corresponds to: $*" "then: cmake --preset release && cmake --build --preset release"
+  fi
   local missing
   mapfile -t missing < <(missing_packages "$@")
   if ((${#missing[@]} == 0)); then
@@ -94,7 +95,7 @@ fetch_meshes() {
     return
   fi
   stage "Fetching meshes: ${wanted[*]}"
-  local advice=("They come out of Debian's package libcgal-demo (contrib and non-free are not needed)."
+  local advice=("They come out of Debian's package libcgal-demo."
     "With network, run this again; or put the files into $pliant_meshes"
     "or into a folder that PLIANT_MESHES names.")
   mkdir -p "$pliant_meshes" || fail "cannot make the folder $pliant_meshes" "Set XDG_CACHE_HOME to one that can be written."

@@ -19,8 +19,17 @@ if(WAY STREQUAL find_package)
   must("installing" ${CMAKE_COMMAND} --install ${PLIANT_BUILD} --prefix ${WORK}/prefix --component library)
   # Moved: an install tree that holds paths of its place or of the build would fail now.
   file(RENAME ${WORK}/prefix ${WORK}/moved)
+  # Every installed header of the engine must compile alone, in a project that has only what the package brings.
+  file(GLOB_RECURSE headers RELATIVE ${WORK}/moved/include/pliant ${WORK}/moved/include/pliant/engine/*.h)
+  set(header_sources "")
+  foreach(header ${headers})
+    string(REPLACE / _ name ${header})
+    file(WRITE ${WORK}/headers/${name}.cpp "#include \"${header}\"\n")
+    list(APPEND header_sources ${WORK}/headers/${name}.cpp)
+  endforeach()
+  list(JOIN header_sources "\\;" header_sources)
   must("configuring against the install tree" ${configure} -DCMAKE_PREFIX_PATH=${WORK}/moved
-       -DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF)
+       -DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF -DHEADER_SOURCES=${header_sources})
   must("building" ${CMAKE_COMMAND} --build ${WORK}/build)
   must("running" ${WORK}/build/consumer)
   file(GLOB_RECURSE exported ${WORK}/moved/*.cmake)
