@@ -13,7 +13,7 @@ pliant_program_packages=(
   python3-glad libegl1 libgl1-mesa-dri libosmesa6 ffmpeg)
 pliant_test_packages=(
   libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev python3-h5py python3-numpy glslang-tools
-  clang-format clang-tidy git)
+  clang-format clang-tidy libomp-dev git) # libomp-dev: clang-tidy's omp.h
 
 say() { printf '%s\n' "$*"; }
 stage() { printf '\n== %s\n' "$*"; }

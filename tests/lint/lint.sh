@@ -134,13 +134,10 @@ check_tidy() {
       "$((${#chosen[@]} + ${#left[@]}))" "${#chosen[@]}" "${left[*]}"
     printf 'clang-tidy: to check all: PLIANT_LINT_LIMIT=0 bash tests/lint/lint.sh\n'
   fi
-  # Warnings are g++'s business. Clang finds the omp.h of g++ only where it is told, and clang 14 does not know the
-  # names of x86-64 levels that g++ 12 asks the processor for.
+  # Warnings are g++'s business; and clang 14 does not know the names of x86-64 levels that g++ 12 asks the
+  # processor for.
   local options=(--quiet -p "$database" --extra-arg=-Wno-error --extra-arg=-Wno-unknown-warning-option
-    '--extra-arg=-D__builtin_cpu_supports(name)=(*(name)!=0)') gcc_headers
-  if gcc_headers="$(g++ -print-file-name=include 2>/dev/null)"; then
-    options+=("--extra-arg=-idirafter$gcc_headers")
-  fi
+    '--extra-arg=-D__builtin_cpu_supports(name)=(*(name)!=0)')
   local status=0
   # shellcheck disable=SC2016 # expanded by the inner bash
   printf '%s\0' "${chosen[@]}" | xargs -0 -P "$(nproc)" -n 1 bash -c '
