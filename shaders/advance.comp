@@ -8,6 +8,8 @@ void main() {
   vec3 shift = u; // y_(n+1) - y_bar
 #if bdf2
   shift -= earlier_shift[i].xyz / 3.0;
+#endif
+#if history
   earlier_velocity[i] = v_old;
   earlier_shift[i] = vec4(u, 0.0);
 #endif

@@ -17,6 +17,6 @@ void main() {
     linear += (c_out + c_in) * y;
   }
   for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) shape[(3 * r + c) * stride + i] = s[c][r];
+    for (int c = 0; c < 3; ++c) shape[(3 * r + c + 2) * stride + i] = s[c][r];
   linear_start[i].xyz = linear;
 }

@@ -18,8 +18,8 @@ void main() {
     deviation += weight[entry] * dot(off, off);
     dilatation += weight[entry] * dot(off, target);
   }
-  float inverse_modulus = shape[9 * stride + i];
+  float inverse_modulus = shape[i];
   dilatation *= inverse_modulus; // theta - 1
-  float volumetric = inverse_modulus > 0.0 ? shape[10 * stride + i] * dilatation * dilatation / inverse_modulus : 0.0;
+  float volumetric = inverse_modulus > 0.0 ? shape[stride + i] * dilatation * dilatation / inverse_modulus : 0.0;
   energy[i] = 0.5 * (deviation + volumetric);
 }

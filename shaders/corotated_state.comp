@@ -10,17 +10,17 @@ void main() {
   vec3 ui = displacement[i].xyz;
   mat3 s;
   for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) s[c][r] = shape[(3 * r + c) * stride + i];
+    for (int c = 0; c < 3; ++c) s[c][r] = shape[(3 * r + c + 2) * stride + i];
   for (uint row = slice_begin[slice]; row < slice_begin[slice + 1]; ++row) {
     uint entry = 32 * row + lane;
     vec3 du = displacement[bond[entry]].xyz - ui;
     s += outerProduct(weight[entry] * du, unpack_bond(bond[entry + 16], unit));
   }
-  s *= shape[9 * stride + i];
+  s *= shape[i];
   vec4 q = polar_rotation(s, rotation[i]);
   mat3 r = rotation_matrix(q);
   float theta = dot(r[0], s[0]) + dot(r[1], s[1]) + dot(r[2], s[2]);
-  mat3 a = (1.0 - shape[10 * stride + i] * (theta - 1.0)) * r;
+  mat3 a = (1.0 - shape[stride + i] * (theta - 1.0)) * r;
   rotation[i] = q;
   record[3 * i] = vec4(a[0][0], a[1][0], a[2][0], ui.x);
   record[3 * i + 1] = vec4(a[0][1], a[1][1], a[2][1], ui.y);

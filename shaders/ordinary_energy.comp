@@ -15,8 +15,8 @@ void main() {
     stretching += weight[entry] * stretch * stretch;
     dilatation += weight[entry] * x * stretch;
   }
-  float inverse_modulus = shape[9 * stride + i];
+  float inverse_modulus = shape[i];
   dilatation *= inverse_modulus; // theta - 1
-  float volumetric = inverse_modulus > 0.0 ? shape[10 * stride + i] * dilatation * dilatation / inverse_modulus : 0.0;
+  float volumetric = inverse_modulus > 0.0 ? shape[stride + i] * dilatation * dilatation / inverse_modulus : 0.0;
   energy[i] = 0.5 * (stretching + volumetric);
 }

@@ -8,12 +8,12 @@ void main() {
   if (local >= threads || solver[SOLVER_STOP] > 0.0) return;
   uint i = first + local, slice = first_slice + local / SLICE, lane = local % SLICE;
   vec3 yi = position[i].xyz;
-  vec4 ui = record[3 * i];
+  vec4 ui = extension[i];
   vec3 sum = vec3(0.0);
   for (uint row = slice_begin[slice]; row < slice_begin[slice + 1]; ++row) {
     uint entry = 32 * row + lane;
     uint j = bond[entry];
-    vec4 uj = record[3 * j];
+    vec4 uj = extension[j];
     vec3 y = (position[j].xyz - yi) + (uj.xyz - ui.xyz);
     vec3 xi = unpack_bond(bond[entry + 16], unit);
     float x = length(xi), stretch = length(y) - x;

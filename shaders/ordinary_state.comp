@@ -7,14 +7,14 @@ void main() {
   if (local >= threads || solver[SOLVER_STOP] > 0.0) return;
   uint i = first + local, slice = first_slice + local / SLICE, lane = local % SLICE;
   vec3 yi = position[i].xyz, ui = displacement[i].xyz;
-  float extension = 0.0; // sum c x (y - x): the dilatation less one, without its cancellation
+  float lengthening = 0.0; // sum c x (y - x): the dilatation less one, without its cancellation
   for (uint row = slice_begin[slice]; row < slice_begin[slice + 1]; ++row) {
     uint entry = 32 * row + lane;
     uint j = bond[entry];
     vec3 y = (position[j].xyz - yi) + (displacement[j].xyz - ui);
     float x = length(unpack_bond(bond[entry + 16], unit));
-    extension += weight[entry] * x * (length(y) - x);
+    lengthening += weight[entry] * x * (length(y) - x);
   }
-  float phi = shape[10 * stride + i] * shape[9 * stride + i] * extension;
-  record[3 * i] = vec4(ui, phi);
+  float phi = shape[stride + i] * shape[i] * lengthening;
+  extension[i] = vec4(ui, phi);
 }

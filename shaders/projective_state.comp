@@ -16,8 +16,8 @@ void main() {
     vec3 xi = unpack_bond(bond[entry + 16], unit);
     yx += outerProduct(weight[entry] * dot(xi, xi) * y, xi);
   }
-  float kxx = shape[i], kxy = shape[stride + i], kxz = shape[2 * stride + i];
-  float kyy = shape[3 * stride + i], kyz = shape[4 * stride + i], kzz = shape[5 * stride + i];
+  float kxx = shape[2 * stride + i], kxy = shape[3 * stride + i], kxz = shape[4 * stride + i];
+  float kyy = shape[5 * stride + i], kyz = shape[6 * stride + i], kzz = shape[7 * stride + i];
   mat3 f = yx * mat3(kxx, kxy, kxz, kxy, kyy, kyz, kxz, kyz, kzz);
 #if swap_rows
   if (determinant(f) < 0.0) f = mat3(f[0].yxz, f[1].yxz, f[2].yxz);

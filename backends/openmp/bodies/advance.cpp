@@ -13,8 +13,8 @@ template <class real> void advance(const kernels::advance::View<real>& k) {
     const Vec3<real> u = xyz(k.displacement[i]);
     const auto v_old = k.velocity[i];
     Vec3<real> shift = u; // y_(n+1) - y_bar
-    if (k.bdf2) {
-      shift = shift - real(1) / 3 * xyz(k.earlier_shift[i]);
+    if (k.bdf2) shift = shift - real(1) / 3 * xyz(k.earlier_shift[i]);
+    if (k.history) {
       k.earlier_velocity[i] = v_old;
       k.earlier_shift[i] = {u.x, u.y, u.z, 0};
     }

@@ -18,7 +18,7 @@ template <class real> void corotated_begin(const kernels::corotated_begin::View<
       linear = linear + (c_out + c_in) * y;
     });
     for (uint r = 0; r < 3; ++r)
-      for (uint c = 0; c < 3; ++c) k.shape[std::size_t{3 * r + c} * k.stride + i] = s.m[r][c];
+      for (uint c = 0; c < 3; ++c) k.shape[std::size_t{3 * r + c + 2} * k.stride + i] = s.m[r][c];
     k.linear_start[i] = {linear.x, linear.y, linear.z, k.linear_start[i].w};
   }
 }

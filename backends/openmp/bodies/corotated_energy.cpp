@@ -18,9 +18,9 @@ template <class real> void corotated_energy(const kernels::corotated_energy::Vie
       deviation += c_out * dot(off, off);
       dilatation += c_out * dot(off, target);
     });
-    const real inverse_modulus = k.shape[std::size_t{9} * k.stride + i];
+    const real inverse_modulus = k.shape[i];
     dilatation *= inverse_modulus; // theta - 1
-    const real coupling = k.shape[std::size_t{10} * k.stride + i];
+    const real coupling = k.shape[k.stride + i];
     const real volumetric = inverse_modulus > 0 ? coupling * dilatation * dilatation / inverse_modulus : 0;
     k.energy[i] = (deviation + volumetric) / 2;
   }

@@ -17,9 +17,9 @@ template <class real> void ordinary_energy(const kernels::ordinary_energy::View<
       stretching += c_out * stretch * stretch;
       dilatation += c_out * x * stretch;
     });
-    const real inverse_modulus = k.shape[std::size_t{9} * k.stride + i];
+    const real inverse_modulus = k.shape[i];
     dilatation *= inverse_modulus; // theta - 1
-    const real coupling = k.shape[std::size_t{10} * k.stride + i];
+    const real coupling = k.shape[k.stride + i];
     const real volumetric = inverse_modulus > 0 ? coupling * dilatation * dilatation / inverse_modulus : 0;
     k.energy[i] = (stretching + volumetric) / 2;
   }

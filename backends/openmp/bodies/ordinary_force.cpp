@@ -12,10 +12,10 @@ template <class real> void ordinary_force(const kernels::ordinary_force::View<re
   for (uint local = 0; local < k.threads; ++local) {
     const uint i = k.first + local;
     const Vec3<real> yi = xyz(k.position[i]);
-    const auto ui = k.record[3 * i];
+    const auto ui = k.extension[i];
     Vec3<real> sum{0, 0, 0};
     for_each_bond(k, local, [&](uint j, Vec3<real> xi, real c_out, real c_in) {
-      const auto uj = k.record[3 * j];
+      const auto uj = k.extension[j];
       const Vec3<real> y = (xyz(k.position[j]) - yi) + (xyz(uj) - xyz(ui));
       const real x = norm(xi), stretch = norm(y) - x;
       sum = sum + (c_out * (stretch + x * ui.w) + c_in * (stretch + x * uj.w)) * bond_direction(y, xi);

@@ -12,15 +12,14 @@ template <class real> void ordinary_state(const kernels::ordinary_state::View<re
   for (uint local = 0; local < k.threads; ++local) {
     const uint i = k.first + local;
     const Vec3<real> yi = xyz(k.position[i]), ui = xyz(k.displacement[i]);
-    real extension = 0; // sum c x (y - x): the dilatation less one, without its cancellation
+    real lengthening = 0; // sum c x (y - x): the dilatation less one, without its cancellation
     for_each_bond(k, local, [&](uint j, Vec3<real> xi, real c_out, real) {
       const Vec3<real> y = (xyz(k.position[j]) - yi) + (xyz(k.displacement[j]) - ui);
       const real x = norm(xi);
-      extension += c_out * x * (norm(y) - x);
+      lengthening += c_out * x * (norm(y) - x);
     });
-    const real phi =
-        k.shape[std::size_t{10} * k.stride + i] * k.shape[std::size_t{9} * k.stride + i] * extension;
-    k.record[3 * i] = {ui.x, ui.y, ui.z, phi};
+    const real phi = k.shape[k.stride + i] * k.shape[i] * lengthening;
+    k.extension[i] = {ui.x, ui.y, ui.z, phi};
   }
 }
 

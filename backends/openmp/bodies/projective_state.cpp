@@ -18,7 +18,7 @@ template <class real> void projective_state(const kernels::projective_state::Vie
       add_outer(yx, c_out * dot(xi, xi), y, xi);
     });
     real row[6];
-    for (uint r = 0; r < 6; ++r) row[r] = k.shape[std::size_t{r} * k.stride + i];
+    for (uint r = 0; r < 6; ++r) row[r] = k.shape[std::size_t{r + 2} * k.stride + i];
     Mat3<real> f =
         yx * Mat3<real>{{{row[0], row[1], row[2]}, {row[1], row[3], row[4]}, {row[2], row[4], row[5]}}};
     if (k.swap_rows) {

@@ -1,0 +1,240 @@
+// From a scene to the components, kernels and buffers it needs.
+#include "engine/plan/plan.h"
+
+#include "engine/solver/contact.h"
+#include "engine/solver/frame.h"
+#include "engine/solver/state.h"
+#include "kernels/all.h"
+#include "shaders/common/solver.glsl"
+
+#include <algorithm>
+#include <array>
+
+namespace pliant {
+
+namespace {
+
+bool any_law(const Model& model, Law law) {
+  return std::any_of(model.laws.begin(), model.laws.end(),
+                     [law](const LawRange& range) { return range.law == law && range.count > 0; });
+}
+
+/// Adds what each component needs; each function is one component.
+class Planner {
+public:
+  Planner(Plan& plan, const Scene& scene, const Model& model, const SlicedBonds& bonds)
+      : plan_(plan), scene_(scene), model_(model), bonds_(bonds), n_(model.count()) {}
+
+  void motion() {
+    begin("motion", true);
+    buffer("position", Type::real4, n_);
+    buffer("velocity", Type::real4, n_);
+    buffer("inertia_target", Type::real4, n_);
+    buffer("displacement", Type::real4, n_);
+    buffer("origin", Type::real4, model_.bodies.size());
+    buffer("origin_shift", Type::real4, model_.bodies.size());
+    buffer("anchor", Type::uint, model_.bodies.size());
+    buffer("owner", Type::uint, n_);
+    kernels<kernels::predict::Args, kernels::advance::Args, kernels::rebase_origin::Args,
+            kernels::rebase_position::Args>();
+    begin("bdf2", plan_.bdf2);
+    buffer("earlier_velocity", Type::real4, n_);
+    buffer("earlier_shift", Type::real4, n_);
+    begin("held particles", plan_.held);
+    buffer("motion", Type::real4, 192);
+    buffer("held", Type::uint, 2 * model_.held.size());
+    buffer("held_start", Type::real4, model_.held.size());
+    kernels<kernels::prescribe::Args>();
+    begin("loads", plan_.loaded);
+    buffer("external_force", Type::real4, n_);
+  }
+
+  void solver() {
+    begin("solver", true);
+    buffer("earlier_iterate", Type::real4, n_);
+    buffer("best_iterate", Type::real4, n_);
+    buffer("force", Type::real4, n_);
+    buffer("linear_start", Type::real4, n_);
+    buffer("solver", Type::real, SOLVER_ENTRIES);
+    const std::size_t group = kernels::chebyshev_step::group_size;
+    buffer("residual_partial", Type::real, (n_ + group - 1) / group);
+    kernels<kernels::chebyshev_step::Args, kernels::residual_control::Args, kernels::guard_apply::Args>();
+  }
+
+  void elasticity() {
+    const std::size_t rows = bonds_.slice_begin.empty() ? 0 : bonds_.slice_begin.back() / slice_width;
+    begin("bonds", plan_.corotated || plan_.ordinary || plan_.projective);
+    buffer("slice_begin", Type::uint, bonds_.slice_begin.size());
+    buffer("bond", Type::uint, 2 * slice_width * rows);
+    buffer("weight", Type::real, 2 * slice_width * rows);
+    // Rows of `shape`: two of constants, nine of S (corotated), six of the inverse shape tensor (projective).
+    buffer("shape", Type::real, n_ * (plan_.corotated ? 11 : plan_.projective ? 8 : 2));
+    begin("corotated elasticity", plan_.corotated);
+    buffer("record", Type::real4, 3 * n_);
+    buffer("rotation", Type::real4, n_);
+    kernels<kernels::corotated_begin::Args, kernels::corotated_state::Args, kernels::corotated_force::Args>();
+    begin("ordinary elasticity", plan_.ordinary);
+    buffer("extension", Type::real4, n_);
+    kernels<kernels::ordinary_state::Args, kernels::ordinary_force::Args>();
+    begin("projective elasticity", plan_.projective);
+    buffer("record", Type::real4, 3 * n_);
+    kernels<kernels::projective_state::Args, kernels::projective_force::Args>();
+  }
+
+  void contacts() {
+    const ContactNeeds needs = contact_needs(scene_, model_);
+    plan_.boundaries = needs.boundaries;
+    plan_.pairs = needs.pairs;
+    begin("boundaries", plan_.boundaries);
+    for (const BufferSpec& spec : needs.buffers)
+      if (spec.component == "boundaries") buffer(spec.name, spec.type, spec.count);
+    for (const KernelSpec& spec : needs.kernels)
+      if (spec.component == "boundaries") kernel(*spec.info);
+    begin("contacts", plan_.pairs);
+    for (const BufferSpec& spec : needs.buffers)
+      if (spec.component == "contacts") buffer(spec.name, spec.type, spec.count);
+    for (const KernelSpec& spec : needs.kernels)
+      if (spec.component == "contacts") kernel(*spec.info);
+    begin(plan_.boundaries ? "boundaries" : "contacts", plan_.boundaries || plan_.pairs, false);
+    buffer("touched", Type::uint, n_);
+  }
+
+  void sums(const Chunks& chunks) {
+    begin("momentum", plan_.momentum);
+    buffer("chunk", Type::uint4, chunks.chunk.size());
+    buffer("component", Type::uint4, chunks.component.size());
+    buffer("moment", Type::real4, 5 * chunks.chunk.size());
+    buffer("rigid", Type::real4, 3 * chunks.component.size());
+    kernels<kernels::component_moments::Args, kernels::component_motion::Args, kernels::component_apply::Args>();
+    begin("statistics", plan_.statistics);
+    buffer("chunk", Type::uint4, chunks.chunk.size());
+    buffer("chunk_sum", Type::real4, 2 * chunks.chunk.size());
+    buffer("statistics", Type::real, std::size_t{16} * statistics_rows);
+    buffer("energy", Type::real, n_);
+    if (plan_.corotated) kernels<kernels::corotated_energy::Args>();
+    if (plan_.ordinary) kernels<kernels::ordinary_energy::Args>();
+    if (plan_.projective) kernels<kernels::projective_energy::Args>();
+    kernels<kernels::statistics_chunk::Args, kernels::statistics_total::Args>();
+  }
+
+  void frames(const PlanRequest& request) {
+    const FrameNeeds needs = frame_needs(scene_, model_, request);
+    plan_.frames = request.frames;
+    plan_.surfaces = needs.surfaces;
+    plan_.strain = needs.strain;
+    for (const char* component : {"frames", "surfaces", "strain"}) {
+      const std::string name = component;
+      begin(component, name == "frames" ? plan_.frames : name == "surfaces" ? plan_.surfaces : plan_.strain);
+      for (const BufferSpec& spec : needs.buffers)
+        if (spec.component == name) buffer(spec.name, spec.type, spec.count);
+      for (const KernelSpec& spec : needs.kernels)
+        if (spec.component == name) kernel(*spec.info);
+    }
+  }
+
+private:
+  void begin(const std::string& component, bool used, bool list = true) {
+    component_ = component;
+    active_ = used;
+    if (list) (used ? plan_.used : plan_.left_out).push_back(component);
+  }
+  void buffer(const std::string& name, Type type, std::size_t count) {
+    if (!active_ || plan_.find(name)) return;
+    plan_.buffers.push_back({name, type, count, component_});
+  }
+  void kernel(const KernelInfo& info) {
+    if (!active_) return;
+    const auto same = [&](const KernelSpec& spec) { return spec.info == &info; };
+    if (std::none_of(plan_.kernels.begin(), plan_.kernels.end(), same)) plan_.kernels.push_back({&info, component_});
+  }
+  template <class... Args> void kernels() { (kernel(Args::info()), ...); }
+
+  Plan& plan_;
+  const Scene& scene_;
+  const Model& model_;
+  const SlicedBonds& bonds_;
+  std::size_t n_;
+  std::string component_;
+  bool active_ = false;
+};
+
+constexpr std::array bond_buffers{"slice_begin", "bond", "weight"};
+
+bool of_bonds(const std::string& name) {
+  return std::find(bond_buffers.begin(), bond_buffers.end(), name) != bond_buffers.end();
+}
+
+} // namespace
+
+const BufferSpec* Plan::find(const std::string& name) const {
+  for (const BufferSpec& spec : buffers)
+    if (spec.name == name) return &spec;
+  return nullptr;
+}
+
+std::size_t Plan::bytes(Precision precision) const {
+  std::size_t sum = 0;
+  for (const BufferSpec& spec : buffers) sum += spec.count * element_bytes(spec.type, precision);
+  return sum;
+}
+
+double Plan::bytes_per_bond(Precision precision) const {
+  double sum = 0;
+  for (const BufferSpec& spec : buffers)
+    if (of_bonds(spec.name)) sum += static_cast<double>(spec.count * element_bytes(spec.type, precision));
+  return bonds ? sum / static_cast<double>(bonds) : 0;
+}
+
+double Plan::bytes_per_particle(Precision precision) const {
+  double sum = 0;
+  for (const BufferSpec& spec : buffers)
+    if (!of_bonds(spec.name)) sum += static_cast<double>(spec.count * element_bytes(spec.type, precision));
+  return particles ? sum / static_cast<double>(particles) : 0;
+}
+
+Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds, const PlanRequest& request) {
+  Plan plan;
+  plan.particles = model.count();
+  plan.bonds = model.bonds.count();
+  plan.corotated = any_law(model, Law::corotated);
+  plan.ordinary = any_law(model, Law::ordinary);
+  plan.projective = any_law(model, Law::projective);
+  plan.bdf2 = scene.solver.integrator == "bdf2";
+  plan.held = !model.held.empty();
+  plan.loaded = !model.loads.empty();
+  plan.momentum = scene.solver.restore_momentum && model.count() > 0;
+  plan.statistics = request.statistics;
+  Planner planner(plan, scene, model, bonds);
+  planner.motion();
+  planner.solver();
+  planner.elasticity();
+  planner.contacts();
+  planner.sums(make_chunks(model));
+  planner.frames(request);
+  return plan;
+}
+
+Chunks make_chunks(const Model& model) {
+  Chunks chunks;
+  const auto n = static_cast<std::uint32_t>(model.count());
+  const auto conserves_spin = [&](std::uint32_t particle) {
+    for (const LawRange& range : model.laws)
+      if (particle >= range.first && particle < range.first + range.count) return range.law != Law::projective;
+    return true;
+  };
+  for (std::uint32_t first = 0; first < n;) {
+    const std::uint32_t component = model.component[first];
+    std::uint32_t end = first;
+    while (end < n && model.component[end] == component) ++end;
+    const auto first_chunk = static_cast<std::uint32_t>(chunks.chunk.size());
+    const auto index = static_cast<std::uint32_t>(chunks.component.size());
+    for (std::uint32_t begin = first; begin < end; begin += chunk_size)
+      chunks.chunk.push_back({begin, std::min(end, begin + chunk_size), index, 0});
+    chunks.component.push_back(
+        {first_chunk, static_cast<std::uint32_t>(chunks.chunk.size()), conserves_spin(first) ? 1u : 0u, 0});
+    first = end;
+  }
+  return chunks;
+}
+
+} // namespace pliant

@@ -1,0 +1,163 @@
+// What a frame shows; see frame.h.
+#include "engine/solver/frame.h"
+
+#include "engine/core/error.h"
+#include "engine/solver/state.h"
+#include "kernels/deformation.h"
+#include "kernels/frame_particles.h"
+#include "kernels/skin.h"
+
+#include <algorithm>
+#include <array>
+
+namespace pliant {
+
+namespace {
+
+struct Colour {
+  const char* name;
+  const char* label;
+  std::uint32_t option; ///< of the kernel frame_particles
+};
+constexpr std::array colours{Colour{"body", "", 0}, Colour{"velocity", "speed (m/s)", 1},
+                             Colour{"strain", "equivalent strain", 2}, Colour{"energy", "energy density (J/m3)", 3},
+                             Colour{"displacement", "displacement (m)", 4}};
+
+bool contains(const std::vector<std::string>& names, const char* name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+} // namespace
+
+std::string field_label(const std::string& field) {
+  for (const Colour& colour : colours)
+    if (field == colour.name) return colour.label;
+  return field;
+}
+
+FrameNeeds frame_needs(const Scene& scene, const Model& model, const PlanRequest& request) {
+  FrameNeeds needs;
+  if (!request.frames) return needs;
+  const std::size_t n = model.count();
+  std::size_t vertices = 0;
+  for (const BodyModel& body : model.bodies)
+    if (body.surface) vertices += body.surface_reference.size();
+  needs.surfaces = request.surfaces && vertices > 0;
+  needs.strain = needs.surfaces || scene.render.color == "strain" || contains(request.fields, "strain");
+  const bool start = scene.render.color == "displacement" || scene.render.color == "energy";
+  needs.buffers.push_back({"particle", Type::real4, n, "frames"});
+  if (start) needs.buffers.push_back({"start", Type::real4, n, "frames"});
+  needs.kernels.push_back({&kernels::frame_particles::Args::info(), "frames"});
+  if (needs.strain) {
+    needs.buffers.push_back({"gradient", Type::real4, 3 * n, "strain"});
+    needs.kernels.push_back({&kernels::deformation::Args::info(), "strain"});
+  }
+  if (needs.surfaces) {
+    needs.buffers.push_back({"vertex", Type::real4, vertices, "surfaces"});
+    needs.buffers.push_back({"skin_particle", Type::uint4, vertices, "surfaces"});
+    needs.buffers.push_back({"skin_weight", Type::real4, vertices, "surfaces"});
+    needs.buffers.push_back({"skin_reference", Type::real4, vertices, "surfaces"});
+    needs.buffers.push_back({"reference", Type::real4, n, "surfaces"});
+    needs.kernels.push_back({&kernels::skin::Args::info(), "surfaces"});
+  }
+  return needs;
+}
+
+FrameOutput::FrameOutput(Simulation& simulation) : simulation_(simulation) {
+  const Plan& plan = simulation.plan_;
+  Device& device = simulation.device_;
+  const Model& model = simulation.model_;
+  const std::pair<const char*, Buffer*> members[] = {
+      {"particle", &particle_},       {"vertex", &vertex_},           {"gradient", &gradient_},
+      {"start", &start_},             {"reference", &reference_},     {"skin_particle", &skin_particle_},
+      {"skin_weight", &skin_weight_}, {"skin_reference", &skin_reference_}};
+  for (const auto& [name, buffer] : members)
+    if (const BufferSpec* spec = plan.find(name)) *buffer = device.allocate(spec->name, spec->type, spec->count);
+  for (const Colour& colour : colours)
+    if (simulation.scene_.render.color == colour.name) colour_ = colour.option;
+  if (start_) {
+    std::vector<Real4<double>> rows;
+    for (std::size_t i = 0; i < model.count(); ++i)
+      rows.push_back({model.position[i].x(), model.position[i].y(), model.position[i].z(), model.volume[i]});
+    device.upload(start_, rows);
+  }
+  if (!plan.surfaces) return;
+  skin_ = make_skin(model);
+  device.write(skin_particle_, 0, std::as_bytes(std::span(skin_.particle)));
+  device.upload(skin_weight_, skin_.weight);
+  device.upload(skin_reference_, skin_.reference);
+  std::vector<Real4<double>> rows;
+  for (const Vector3& x : model.reference) rows.push_back({x.x(), x.y(), x.z(), 0});
+  device.upload(reference_, rows);
+}
+
+void FrameOutput::update() {
+  Simulation::State& s = *simulation_.state_;
+  Device& device = simulation_.device_;
+  device.enter("frames");
+  if (gradient_)
+    for (const LawRange& range : simulation_.model_.laws)
+      device.run(kernels::deformation::Args{.threads = range.count,
+                                            .first = range.first,
+                                            .first_slice = range.first_slice,
+                                            .unit = simulation_.unit_,
+                                            .slice_begin = s.slice_begin,
+                                            .bond = s.bond,
+                                            .weight = s.weight,
+                                            .position = s.position,
+                                            .gradient = gradient_});
+  const Vector3& origin = simulation_.scene_origin_;
+  device.run(kernels::frame_particles::Args{.threads = static_cast<std::uint32_t>(simulation_.plan_.particles),
+                                            .field = colour_,
+                                            .scene_x = origin.x(),
+                                            .scene_y = origin.y(),
+                                            .scene_z = origin.z(),
+                                            .owner = s.owner,
+                                            .origin = s.origin,
+                                            .position = s.position,
+                                            .velocity = s.velocity,
+                                            .gradient = gradient_,
+                                            .energy = s.energy,
+                                            .start = start_,
+                                            .particle = particle_});
+  if (vertex_)
+    device.run(kernels::skin::Args{.threads = static_cast<std::uint32_t>(vertex_.count()),
+                                   .skin_particle = skin_particle_,
+                                   .skin_weight = skin_weight_,
+                                   .skin_reference = skin_reference_,
+                                   .reference = reference_,
+                                   .gradient = gradient_,
+                                   .particle = particle_,
+                                   .vertex = vertex_});
+  device.enter("");
+}
+
+std::vector<float> FrameOutput::field(const std::string& name, unsigned& components) {
+  Device& device = simulation_.device_;
+  const Model& model = simulation_.model_;
+  std::vector<float> values;
+  components = 1;
+  if (name == "velocity" || name == "displacement") {
+    components = 3;
+    const bool velocity = name == "velocity";
+    const std::vector<Vector3> vectors = velocity ? simulation_.velocities() : simulation_.positions();
+    for (std::size_t i = 0; i < vectors.size(); ++i) {
+      const Vector3 v = velocity ? vectors[i] : Vector3(vectors[i] - model.position[i]);
+      for (int c = 0; c < 3; ++c) values.push_back(static_cast<float>(v[c]));
+    }
+    return values;
+  }
+  if (name == "strain" && gradient_) {
+    const std::vector<Real4<double>> rows = device.download_real4(gradient_);
+    for (std::size_t i = 0; i < rows.size(); i += 3) values.push_back(static_cast<float>(rows[i].w));
+    return values;
+  }
+  if (name == "energy" && simulation_.plan_.statistics) {
+    const std::vector<double> energy = device.download_real(simulation_.state_->energy);
+    for (std::size_t i = 0; i < energy.size(); ++i) values.push_back(static_cast<float>(energy[i] / model.volume[i]));
+    return values;
+  }
+  throw Error(ExitCode::usage, "field '" + name + "' is not in this scene's plan: name it in [output] fields");
+}
+
+} // namespace pliant

@@ -1,0 +1,334 @@
+// Setting a simulation up, and reading its state back.
+#include "engine/solver/simulation.h"
+
+#include "engine/core/error.h"
+#include "engine/solver/contact.h"
+#include "engine/solver/frame.h"
+#include "engine/solver/motion.h"
+#include "engine/solver/state.h"
+#include "kernels/all.h"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <unordered_map>
+
+namespace pliant {
+
+namespace {
+
+using Real4d = Real4<double>;
+
+Real4d pack(const Vector3& v, double w = 0) { return {v.x(), v.y(), v.z(), w}; }
+Vector3 unpack(const Real4d& v) { return {v.x, v.y, v.z}; }
+
+/// A body's positions stay within a few quanta of its origin; origins move by whole quanta.
+double origin_quantum(const Model& model, const BodyModel& body) {
+  double extent = model.spacing;
+  for (std::uint32_t i = body.first; i < body.first + body.count; ++i)
+    extent = std::max(extent, model.reference[i].cwiseAbs().maxCoeff());
+  return std::exp2(std::ceil(std::log2(extent)));
+}
+
+/// The particle nearest to the middle of a body's reference.
+std::uint32_t anchor_of(const Model& model, const BodyModel& body) {
+  Vector3 middle = Vector3::Zero();
+  for (std::uint32_t i = body.first; i < body.first + body.count; ++i) middle += model.reference[i];
+  if (body.count > 0) middle /= body.count;
+  std::uint32_t best = body.first;
+  for (std::uint32_t i = body.first; i < body.first + body.count; ++i)
+    if ((model.reference[i] - middle).squaredNorm() < (model.reference[best] - middle).squaredNorm()) best = i;
+  return best;
+}
+
+} // namespace
+
+Buffer* Simulation::State::find(const std::string& name) {
+  const std::unordered_map<std::string, Buffer*> members{
+      {"position", &position},
+      {"velocity", &velocity},
+      {"inertia_target", &inertia_target},
+      {"displacement", &displacement},
+      {"earlier_iterate", &earlier_iterate},
+      {"best_iterate", &best_iterate},
+      {"force", &force},
+      {"linear_start", &linear_start},
+      {"owner", &owner},
+      {"earlier_velocity", &earlier_velocity},
+      {"earlier_shift", &earlier_shift},
+      {"external_force", &external_force},
+      {"energy", &energy},
+      {"slice_begin", &slice_begin},
+      {"bond", &bond},
+      {"weight", &weight},
+      {"shape", &shape},
+      {"record", &record},
+      {"rotation", &rotation},
+      {"extension", &extension},
+      {"solver", &solver},
+      {"residual_partial", &residual_partial},
+      {"motion", &motion},
+      {"held", &held},
+      {"held_start", &held_start},
+      {"origin", &origin},
+      {"origin_shift", &origin_shift},
+      {"anchor", &anchor},
+      {"chunk", &chunk},
+      {"component", &component},
+      {"moment", &moment},
+      {"rigid", &rigid},
+      {"touched", &touched},
+      {"chunk_sum", &chunk_sum},
+      {"statistics", &statistics},
+  };
+  const auto found = members.find(name);
+  return found == members.end() ? nullptr : found->second;
+}
+
+Simulation::Simulation(Device& device, const Scene& scene, const Model& model, const PlanRequest& request)
+    : device_(device), scene_(scene), model_(model), state_(std::make_unique<State>()) {
+  if (model.count() == 0) throw Error(ExitCode::usage, "the scene has no particles: give it a [[body]]");
+  const SlicedBonds bonds = slice_bonds(model);
+  plan_ = make_plan(scene, model, bonds, request);
+  chunks_ = make_chunks(model);
+  // Frames fall on whole steps: a step is shortened until a whole number of them makes a frame.
+  const double frame = 1 / scene.output.fps;
+  const double per_frame = std::ceil(frame / scene.simulation.time_step * (1 - 1e-9));
+  time_step_ = frame / std::max(per_frame, 1.0);
+  iterations_ = scene.solver.iterations;
+  unit_ = model.spacing / reference_grid;
+  for (const Material& material : scene.materials) {
+    if (material.law != law_name(Law::projective)) continue;
+    deviatoric_ = material.split;
+    swap_rows_ = material.inversion == "swap";
+  }
+  for (const BodyModel& body : model.bodies) scene_origin_ += body.origin / static_cast<double>(model.bodies.size());
+  // Snapped, so that moving a scene by a round distance moves no bit of it.
+  const double grain = std::exp2(std::ceil(std::log2(model.spacing)) + 6);
+  scene_origin_ = (scene_origin_ / grain).array().round() * grain;
+  allocate();
+  upload(bonds);
+  choose_step(time_step_);
+}
+
+Simulation::~Simulation() = default;
+
+void Simulation::allocate() {
+  for (const BufferSpec& spec : plan_.buffers)
+    if (Buffer* buffer = state_->find(spec.name)) *buffer = device_.allocate(spec.name, spec.type, spec.count);
+}
+
+void Simulation::upload(const SlicedBonds& bonds) {
+  State& s = *state_;
+  const std::size_t n = model_.count();
+  std::vector<Real4d> rows(n);
+  std::vector<Real4d> origins;
+  std::vector<std::uint32_t> anchors;
+  for (const BodyModel& body : model_.bodies) {
+    origins.push_back(pack(body.origin - scene_origin_, origin_quantum(model_, body)));
+    anchors.push_back(anchor_of(model_, body));
+  }
+  device_.upload(s.origin, origins);
+  device_.upload(s.anchor, anchors);
+  device_.upload(s.owner, model_.body);
+  for (std::size_t i = 0; i < n; ++i)
+    rows[i] = pack(model_.position[i] - model_.bodies[model_.body[i]].origin, model_.mass[i]);
+  device_.upload(s.position, rows);
+  for (std::size_t i = 0; i < n; ++i) rows[i] = pack(model_.velocity[i], 1); // as if falling: nothing held it yet
+  device_.upload(s.velocity, rows);
+  const std::vector<double> stiffness = diagonal_stiffness(model_);
+  for (std::size_t i = 0; i < n; ++i) rows[i] = {0, 0, 0, stiffness[i]};
+  device_.upload(s.linear_start, rows);
+  if (plan_.corotated) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const Eigen::Quaterniond q(model_.bodies[model_.body[i]].axes);
+      rows[i] = {q.x(), q.y(), q.z(), q.w()};
+    }
+    device_.upload(s.rotation, rows);
+  }
+  // Bonds: rows of 16 neighbours, 16 packed vectors; 16 outgoing, 16 incoming weights.
+  const std::size_t entries = bonds.neighbour.size();
+  std::vector<std::uint32_t> begins(bonds.slice_begin), packed(2 * entries);
+  std::vector<double> weights(2 * entries);
+  for (std::uint32_t& begin : begins) begin /= slice_width;
+  for (std::size_t e = 0; e < entries; ++e) {
+    const std::size_t at = e / slice_width * 2 * slice_width + e % slice_width;
+    packed[at] = bonds.neighbour[e];
+    packed[at + slice_width] = bonds.offset[e];
+    weights[at] = bonds.weight_out[e];
+    weights[at + slice_width] = bonds.weight_in[e];
+  }
+  device_.upload(s.slice_begin, begins);
+  device_.upload(s.bond, packed);
+  device_.upload(s.weight, weights);
+  upload_shapes();
+  if (plan_.momentum || plan_.statistics)
+    device_.write(s.chunk, 0, std::as_bytes(std::span(chunks_.chunk)));
+  if (plan_.momentum) device_.write(s.component, 0, std::as_bytes(std::span(chunks_.component)));
+}
+
+void Simulation::upload_shapes() {
+  const std::size_t n = model_.count();
+  std::vector<double> shape(2 * n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const LawConstants& constants = model_.constants[model_.material[i]];
+    const bool bonded = model_.bonds.begin[i + 1] > model_.bonds.begin[i];
+    shape[i] = bonded ? 1 / (constants.modulus * model_.volume[i]) : 0;
+    shape[n + i] = constants.coupling;
+  }
+  device_.upload(state_->shape, shape);
+  if (!plan_.projective) return;
+  // Rows 2 to 7 of the projective law: pseudo-inverse of sum c x^2 xi (x) xi, cut at 1e-4 of its trace.
+  for (const LawRange& range : model_.laws) {
+    if (range.law != Law::projective) continue;
+    std::vector<double> rows(6 * std::size_t{range.count});
+    for (std::uint32_t local = 0; local < range.count; ++local) {
+      const std::uint32_t i = range.first + local;
+      const double modulus = model_.constants[model_.material[i]].modulus * model_.volume[i];
+      Matrix3 tensor = Matrix3::Zero();
+      for (std::uint32_t b = model_.bonds.begin[i]; b < model_.bonds.begin[i + 1]; ++b) {
+        const Vector3 xi = model_.reference[model_.bonds.neighbour[b]] - model_.reference[i];
+        tensor += modulus * model_.bonds.weight[b] * xi * xi.transpose();
+      }
+      const Eigen::SelfAdjointEigenSolver<Matrix3> eigen(tensor);
+      Vector3 values = eigen.eigenvalues();
+      const double cut = 1e-4 * values.sum();
+      for (double& value : values) value = value > cut && value > 0 ? 1 / value : 0;
+      const Matrix3 inverse = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+      const double six[] = {inverse(0, 0), inverse(0, 1), inverse(0, 2), inverse(1, 1), inverse(1, 2), inverse(2, 2)};
+      for (std::size_t r = 0; r < 6; ++r) rows[r * range.count + local] = six[r];
+    }
+    for (std::size_t r = 0; r < 6; ++r)
+      device_.upload(state_->shape, std::span(rows).subspan(r * range.count, range.count), (r + 2) * n + range.first);
+  }
+}
+
+void Simulation::choose_step(double step) {
+  solve_step_ = step;
+  const std::vector<double> stiffness = diagonal_stiffness(model_);
+  std::vector<bool> held(model_.count(), false);
+  for (const Held& entry : model_.held) held[entry.particle] = true;
+  stiffness_number_ = 0;
+  double noise = 0;
+  for (std::size_t i = 0; i < model_.count(); ++i) {
+    if (held[i]) continue;
+    const double inertia = model_.mass[i] / (step * step);
+    stiffness_number_ = std::max(stiffness_number_, stiffness[i] / inertia);
+    noise += stiffness[i] * stiffness[i] / (stiffness[i] + inertia);
+  }
+  // Forces are sums of terms of size K times the spacing, each wrong by one rounding.
+  const double epsilon = device_.info().precision == Precision::double_precision
+                             ? std::numeric_limits<double>::epsilon()
+                             : std::numeric_limits<float>::epsilon();
+  floor_ = epsilon * model_.spacing * std::sqrt(noise);
+  // Spectral radius of Jacobi's iteration, 1 - 1 / (1 + eta); a contact adds as much stiffness again. No closer to one
+  // than the budget can resolve: that would only add oscillation.
+  const double eta = stiffness_number_ * (contacts_ ? 2 : 1);
+  const double reduction = std::log(2 / std::min(std::max(scene_.solver.tolerance, 1e-3), 0.2));
+  const double resolved = 0.5 * std::pow(reduction / std::max(iterations_, 1u), 2);
+  one_minus_rho_ = std::min(std::max({1 / (1 + eta), resolved, 1e-7}), 1.0);
+  if (scene_.solver.spectral_radius) one_minus_rho_ = std::max(1 - *scene_.solver.spectral_radius, 1e-7);
+}
+
+void Simulation::begin_step() {
+  const double end = static_cast<double>(step_ + 1) * time_step_;
+  const double wanted = plan_.bdf2 && !first_of_bdf2_ ? time_step_ * 2 / 3 : time_step_;
+  if (wanted != solve_step_) choose_step(wanted);
+  if (plan_.held) gather_held(end);
+  if (plan_.loaded) {
+    std::vector<Real4d> force(model_.count(), Real4d{0, 0, 0, 0});
+    for (const Load& load : model_.loads)
+      if (load.start <= end && end <= load.end) {
+        Real4d& f = force[load.particle];
+        f = {f.x + load.force.x(), f.y + load.force.y(), f.z + load.force.z(), 0};
+      }
+    const bool same = force.size() == loaded_.size() &&
+                      std::memcmp(force.data(), loaded_.data(), force.size() * sizeof(Real4d)) == 0;
+    if (!same) device_.upload(state_->external_force, force);
+    loaded_ = std::move(force);
+  }
+}
+
+void Simulation::gather_held(double time) {
+  State& s = *state_;
+  std::vector<Real4d> rows;
+  for (const Motion& motion : model_.motions) {
+    const RigidMap map = motion_at(motion, time);
+    const Vector3 shift = map(scene_origin_) - scene_origin_; // device coordinates are relative to the scene's origin
+    for (int r = 0; r < 3; ++r) rows.push_back(pack(map.rotation.row(r), shift[r]));
+  }
+  device_.upload(s.motion, rows);
+  std::vector<std::uint32_t> entries;
+  std::vector<Real4d> starts;
+  for (const Held& held : model_.held) {
+    const Motion& motion = model_.motions[held.motion];
+    if (motion.release.value_or(false) && time > motion.end) continue;
+    entries.insert(entries.end(), {held.particle, held.motion});
+    starts.push_back(pack(model_.position[held.particle] - scene_origin_));
+  }
+  if (starts.size() == held_count_ && step_ > 0) return;
+  held_count_ = static_cast<std::uint32_t>(starts.size());
+  device_.upload(s.held, entries);
+  device_.upload(s.held_start, starts);
+}
+
+std::vector<Vector3> Simulation::positions() {
+  const std::vector<Real4d> y = device_.download_real4(state_->position), o = device_.download_real4(state_->origin);
+  std::vector<Vector3> world(y.size());
+  for (std::size_t i = 0; i < y.size(); ++i) world[i] = scene_origin_ + unpack(o[model_.body[i]]) + unpack(y[i]);
+  return world;
+}
+
+std::vector<Vector3> Simulation::velocities() {
+  const std::vector<Real4d> v = device_.download_real4(state_->velocity);
+  std::vector<Vector3> result(v.size());
+  for (std::size_t i = 0; i < v.size(); ++i) result[i] = unpack(v[i]);
+  return result;
+}
+
+Snapshot Simulation::snapshot() {
+  State& s = *state_;
+  Snapshot state;
+  state.step = step_;
+  state.position = positions();
+  for (const Real4d& v : device_.download_real4(s.velocity)) {
+    state.velocity.push_back(unpack(v));
+    state.felt_gravity.push_back(v.w);
+  }
+  if (plan_.bdf2) {
+    for (const Real4d& v : device_.download_real4(s.earlier_velocity)) state.earlier_velocity.push_back(unpack(v));
+    for (const Real4d& v : device_.download_real4(s.earlier_shift)) state.earlier_shift.push_back(unpack(v));
+  }
+  if (plan_.corotated) state.rotation = device_.download_real4(s.rotation);
+  return state;
+}
+
+void Simulation::restore(const Snapshot& state) {
+  State& s = *state_;
+  const std::size_t n = model_.count();
+  if (state.position.size() != n || state.velocity.size() != n)
+    throw Error(ExitCode::internal, "a state of " + std::to_string(state.position.size()) + " particles given to a scene of " +
+                                        std::to_string(n));
+  step_ = state.step;
+  const std::vector<Real4d> o = device_.download_real4(s.origin);
+  std::vector<Real4d> rows(n);
+  for (std::size_t i = 0; i < n; ++i)
+    rows[i] = pack(state.position[i] - scene_origin_ - unpack(o[model_.body[i]]), model_.mass[i]);
+  device_.upload(s.position, rows);
+  for (std::size_t i = 0; i < n; ++i)
+    rows[i] = pack(state.velocity[i], state.felt_gravity.empty() ? 1 : state.felt_gravity[i]);
+  device_.upload(s.velocity, rows);
+  first_of_bdf2_ = state.earlier_shift.empty() || state.step == 0;
+  if (plan_.bdf2 && !first_of_bdf2_) {
+    for (std::size_t i = 0; i < n; ++i) rows[i] = pack(state.earlier_velocity[i]);
+    device_.upload(s.earlier_velocity, rows);
+    for (std::size_t i = 0; i < n; ++i) rows[i] = pack(state.earlier_shift[i]);
+    device_.upload(s.earlier_shift, rows);
+  }
+  if (plan_.corotated && !state.rotation.empty()) device_.upload(s.rotation, state.rotation);
+  held_count_ = ~0u; // whoever is held at the new time is sent again
+}
+
+FrameOutput* Simulation::frame() { return frame_.get(); }
+
+} // namespace pliant

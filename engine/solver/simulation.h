@@ -1,0 +1,137 @@
+// A simulation: a model on a device, advanced step by step. The order of kernels is in step.cpp.
+#pragma once
+
+#include "engine/device/device.h"
+#include "engine/model/model.h"
+#include "engine/plan/plan.h"
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+class Contacts;
+class FrameOutput;
+
+enum class StopReason : std::uint8_t { none, tolerance, floor, cap };
+
+/// One step's row.
+struct StepStatistics {
+  std::uint64_t step = 0;
+  double time = 0;            ///< s, at the end of the step
+  unsigned iterations = 0;    ///< accelerated Jacobi iterations that led to the result
+  double residual = 0;        ///< of Eq. 12 in the D^-1 norm, relative to the start of the solve
+  double first_residual = 0;  ///< sqrt(N m)
+  double last_residual = 0;   ///< of the result, sqrt(N m)
+  double floor = 0;           ///< what the precision can reach, sqrt(N m)
+  unsigned restarts = 0;      ///< of the guard
+  StopReason reason = StopReason::none;
+  double kinetic_energy = 0, elastic_energy = 0; ///< J
+  Vector3 momentum = Vector3::Zero();            ///< kg m/s
+  double largest_speed = 0;        ///< m/s
+  double largest_displacement = 0; ///< m, in one step
+  std::size_t not_finite = 0;      ///< particles
+};
+
+/// Everything that a later step depends on, in double and world coordinates, in the model's order.
+struct Snapshot {
+  std::uint64_t step = 0;
+  std::vector<Vector3> position, velocity;                 ///< m, m/s
+  std::vector<double> felt_gravity;                        ///< 0 to 1
+  std::vector<Vector3> earlier_velocity, earlier_shift;    ///< BDF2; else empty
+  std::vector<Real4<double>> rotation;                     ///< corotated law; else empty
+};
+
+class Simulation {
+public:
+  /// Compiles and allocates what the plan lists. `scene` and `model` must outlive the simulation.
+  Simulation(Device& device, const Scene& scene, const Model& model, const PlanRequest& request = {});
+  ~Simulation();
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  /// Advances by one time step. Reads no state back; it only watches, late, whether the solve has ended.
+  void step();
+
+  const Plan& plan() const { return plan_; }
+  Device& device() { return device_; }
+  double time() const { return static_cast<double>(step_) * time_step_; }
+  double time_step() const { return time_step_; }
+  std::uint64_t steps() const { return step_; }
+  /// eta = h^2 max K_i / m_i: how stiff a step is.
+  double stiffness_number() const { return stiffness_number_; }
+
+  /// Rows of the steps so far that have arrived; waits for all of them if told to.
+  std::vector<StepStatistics> take_statistics(bool wait = true);
+  void measure(bool on);
+
+  std::vector<Vector3> positions(); ///< m, world
+  std::vector<Vector3> velocities(); ///< m/s
+  Snapshot snapshot();
+  void restore(const Snapshot& state);
+  /// Internal elastic forces at the given world positions, N; for tests and tools. Leaves the state as it was.
+  std::vector<Vector3> elastic_forces(const std::vector<Vector3>& positions);
+  double elastic_energy(const std::vector<Vector3>& positions);
+  /// FNV-1a of final positions and velocities as the device stores them, by id.
+  std::string hash();
+
+  /// Fills the frame's buffers (plan: frames); null when the plan has none.
+  FrameOutput* frame();
+
+private:
+  friend class FrameOutput;
+  struct State;
+
+  void allocate();
+  void upload(const SlicedBonds& bonds);
+  void upload_shapes();
+  void begin_step();
+  void choose_step(double step);
+  void gather_held(double time);
+  void begin_solve();
+  void begin_elasticity();
+  void local_step();
+  void elastic_force();
+  void contact_force();
+  void global_step(unsigned iteration, bool checked, bool restart);
+  bool solve_ended();
+  void restore_momentum();
+  void advance();
+  void rebase();
+  void write_statistics();
+  StepStatistics row(std::span<const std::byte> bytes, std::uint64_t step) const;
+  void energies();
+  void load_displacement(const std::vector<Vector3>& positions);
+
+  Device& device_;
+  const Scene& scene_;
+  const Model& model_;
+  Plan plan_;
+  Chunks chunks_;
+  std::unique_ptr<State> state_;
+  std::unique_ptr<Contacts> contacts_;
+  std::unique_ptr<FrameOutput> frame_;
+  Vector3 scene_origin_ = Vector3::Zero(); ///< world coordinates on the device are relative to it
+  double time_step_ = 0, solve_step_ = 0;  ///< h, and (2/3) h where BDF2
+  double unit_ = 0;                        ///< m; of packed bond vectors
+  double deviatoric_ = 0;                  ///< projective law: share of the deviatoric term
+  bool swap_rows_ = false;                 ///< projective law: the paper's row swap
+  std::vector<Real4<double>> loaded_;      ///< forces on the device, N
+  std::uint32_t held_count_ = 0;           ///< particles held in this step
+  double stiffness_number_ = 0, floor_ = 0, one_minus_rho_ = 1;
+  unsigned iterations_ = 0;                ///< cap
+  std::uint64_t step_ = 0;
+  bool first_of_bdf2_ = true;              ///< the step before is missing
+  struct Pending {
+    std::uint64_t step = 0;
+    std::unique_ptr<Readback> readback;
+  };
+  std::deque<Pending> pending_;
+  std::deque<std::unique_ptr<Readback>> flags_;
+};
+
+} // namespace pliant

@@ -1,0 +1,32 @@
+// The buffers of a simulation by name. One that the plan leaves out is empty.
+#pragma once
+
+#include "engine/device/device.h"
+#include "engine/solver/simulation.h"
+
+namespace pliant {
+
+struct Simulation::State {
+  // Particles.
+  Buffer position, velocity, inertia_target, displacement, earlier_iterate, best_iterate, force, linear_start, owner;
+  Buffer earlier_velocity, earlier_shift; // BDF2
+  Buffer external_force;                  // loads
+  Buffer energy;
+  // Elasticity.
+  Buffer slice_begin, bond, weight, shape, record, rotation, extension;
+  // Solver.
+  Buffer solver, residual_partial;
+  // Held particles.
+  Buffer motion, held, held_start;
+  // Bodies and components.
+  Buffer origin, origin_shift, anchor, chunk, component, moment, rigid, touched;
+  // Statistics.
+  Buffer chunk_sum, statistics;
+
+  /// The member that a name of the plan stands for.
+  Buffer* find(const std::string& name);
+};
+
+inline constexpr std::uint32_t statistics_rows = 64; ///< steps that may be on their way to the host
+
+} // namespace pliant

@@ -1,0 +1,181 @@
+// Rows of statistics, and forces and energies for tests and tools.
+#include "engine/core/error.h"
+#include "engine/solver/simulation.h"
+#include "engine/solver/state.h"
+#include "kernels/all.h"
+#include "shaders/common/solver.glsl"
+
+#include <algorithm>
+#include <cstring>
+#include <fmt/format.h>
+
+namespace pliant {
+
+void Simulation::energies() {
+  State& s = *state_;
+  device_.enter("statistics");
+  const auto n = static_cast<std::uint32_t>(plan_.particles);
+  for (const LawRange& range : model_.laws) {
+    switch (range.law) {
+    case Law::corotated:
+      device_.run(kernels::corotated_energy::Args{.threads = range.count,
+                                                  .first = range.first,
+                                                  .first_slice = range.first_slice,
+                                                  .stride = n,
+                                                  .unit = unit_,
+                                                  .slice_begin = s.slice_begin,
+                                                  .bond = s.bond,
+                                                  .weight = s.weight,
+                                                  .position = s.position,
+                                                  .displacement = s.best_iterate,
+                                                  .shape = s.shape,
+                                                  .rotation = s.rotation,
+                                                  .energy = s.energy});
+      break;
+    case Law::ordinary:
+      device_.run(kernels::ordinary_energy::Args{.threads = range.count,
+                                                 .first = range.first,
+                                                 .first_slice = range.first_slice,
+                                                 .stride = n,
+                                                 .unit = unit_,
+                                                 .slice_begin = s.slice_begin,
+                                                 .bond = s.bond,
+                                                 .weight = s.weight,
+                                                 .position = s.position,
+                                                 .displacement = s.best_iterate,
+                                                 .shape = s.shape,
+                                                 .energy = s.energy});
+      break;
+    case Law::projective:
+      device_.run(kernels::projective_energy::Args{.threads = range.count,
+                                                   .first = range.first,
+                                                   .first_slice = range.first_slice,
+                                                   .unit = unit_,
+                                                   .deviatoric = deviatoric_,
+                                                   .slice_begin = s.slice_begin,
+                                                   .bond = s.bond,
+                                                   .weight = s.weight,
+                                                   .position = s.position,
+                                                   .record = s.record,
+                                                   .energy = s.energy});
+      break;
+    }
+  }
+}
+
+void Simulation::write_statistics() {
+  if (!plan_.statistics) return;
+  State& s = *state_;
+  device_.enter("statistics");
+  const auto chunks = static_cast<std::uint32_t>(chunks_.chunk.size());
+  device_.run(kernels::statistics_chunk::Args{.threads = chunks * kernels::statistics_chunk::group_size,
+                                              .chunk = s.chunk,
+                                              .position = s.position,
+                                              .velocity = s.velocity,
+                                              .energy = s.energy,
+                                              .displacement = s.best_iterate,
+                                              .chunk_sum = s.chunk_sum});
+  const auto row = static_cast<std::uint32_t>(step_ % statistics_rows);
+  device_.run(kernels::statistics_total::Args{.threads = kernels::statistics_total::group_size,
+                                              .chunk_count = chunks,
+                                              .row = row,
+                                              .chunk_sum = s.chunk_sum,
+                                              .solver = s.solver,
+                                              .statistics = s.statistics});
+  const std::size_t bytes = 16 * element_bytes(Type::real, device_.info().precision);
+  pending_.push_back({step_ + 1, device_.request(s.statistics, row * bytes, bytes)});
+}
+
+StepStatistics Simulation::row(std::span<const std::byte> bytes, std::uint64_t step) const {
+  double value[16];
+  for (std::size_t k = 0; k < 16; ++k) {
+    if (device_.info().precision == Precision::double_precision) {
+      std::memcpy(&value[k], bytes.data() + 8 * k, 8);
+    } else {
+      float narrow = 0;
+      std::memcpy(&narrow, bytes.data() + 4 * k, 4);
+      value[k] = narrow;
+    }
+  }
+  StepStatistics s;
+  s.step = step;
+  s.time = static_cast<double>(step) * time_step_;
+  s.kinetic_energy = value[0];
+  s.elastic_energy = value[1];
+  s.largest_speed = value[2];
+  s.not_finite = static_cast<std::size_t>(value[3]);
+  s.momentum = {value[4], value[5], value[6]};
+  s.largest_displacement = value[7];
+  s.first_residual = value[8];
+  s.last_residual = value[9];
+  s.residual = value[8] > 0 ? value[9] / value[8] : 0;
+  s.floor = floor_;
+  s.iterations = static_cast<unsigned>(value[11]);
+  s.restarts = static_cast<unsigned>(value[12]);
+  s.reason = static_cast<StopReason>(static_cast<int>(value[13]));
+  return s;
+}
+
+std::vector<StepStatistics> Simulation::take_statistics(bool wait) {
+  std::vector<StepStatistics> rows;
+  while (!pending_.empty() && (wait || pending_.front().readback->ready())) {
+    rows.push_back(row(pending_.front().readback->wait(), pending_.front().step));
+    pending_.pop_front();
+  }
+  return rows;
+}
+
+void Simulation::load_displacement(const std::vector<Vector3>& positions) {
+  State& s = *state_;
+  const std::vector<Real4<double>> y = device_.download_real4(s.position), o = device_.download_real4(s.origin);
+  if (positions.size() != y.size())
+    throw Error(ExitCode::internal,
+                fmt::format("{} positions given for {} particles", positions.size(), y.size()));
+  std::vector<Real4<double>> u(y.size());
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const Vector3 x = positions[i] - scene_origin_;
+    const Real4<double>& body = o[model_.body[i]];
+    u[i] = {x.x() - body.x - y[i].x, x.y() - body.y - y[i].y, x.z() - body.z - y[i].z, 0};
+  }
+  device_.upload(s.displacement, u);
+  device_.copy(s.displacement, s.best_iterate);
+  device_.upload(s.solver, std::vector<double>(SOLVER_ENTRIES, 0.0));
+  begin_elasticity();
+  local_step();
+}
+
+std::vector<Vector3> Simulation::elastic_forces(const std::vector<Vector3>& positions) {
+  load_displacement(positions);
+  elastic_force();
+  std::vector<Vector3> result;
+  for (const Real4<double>& f : device_.download_real4(state_->force)) result.emplace_back(f.x, f.y, f.z);
+  return result;
+}
+
+double Simulation::elastic_energy(const std::vector<Vector3>& positions) {
+  if (!plan_.statistics) throw Error(ExitCode::internal, "energies are not in this simulation's plan");
+  load_displacement(positions);
+  energies();
+  double sum = 0;
+  for (double e : device_.download_real(state_->energy)) sum += e;
+  return sum;
+}
+
+std::string Simulation::hash() {
+  const std::vector<Vector3> x = positions(), v = velocities();
+  std::vector<std::size_t> by_id(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) by_id[model_.id[i]] = i;
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  const auto mix = [&hash](double value) {
+    unsigned char bytes[8];
+    std::memcpy(bytes, &value, 8);
+    for (unsigned char byte : bytes) hash = (hash ^ byte) * 0x100000001b3u;
+  };
+  for (std::size_t i : by_id)
+    for (int c = 0; c < 3; ++c) mix(x[i][c]), mix(v[i][c]);
+  return fmt::format("{:016x}", hash);
+}
+
+void Simulation::measure(bool on) { device_.measure(on); }
+
+} // namespace pliant
