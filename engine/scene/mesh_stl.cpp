@@ -113,8 +113,8 @@ Mesh read_stl(const Input& input) {
   const std::string& bytes = input.bytes;
   const bool exact =
       bytes.size() >= head && bytes.size() - head == record * little<std::uint32_t>(bytes, head - 4);
-  if (!exact && bytes.substr(bytes.find_first_not_of(" \t\r\n") % bytes.size(), 5) == "solid")
-    return read_text(input);
+  const std::size_t word = bytes.find_first_not_of(" \t\r\n");
+  if (!exact && word != std::string::npos && bytes.compare(word, 5, "solid") == 0) return read_text(input);
   return read_binary(input);
 }
 
