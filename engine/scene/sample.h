@@ -19,11 +19,13 @@ struct Sampling {
 };
 
 /// Cell-centred lattice points inside the shape. A box whose edges are whole multiples of the spacing is
-/// filled exactly. Throws Error(usage) for open or empty meshes and for shapes too small to hold a particle.
-/// `allow_open` (a shell to collide with) skips the closedness check.
+/// filled exactly. Order: z slowest, x fastest, in the shape's axes (a cylinder and a torus stand about their
+/// own y). For meshes: where the winding number exceeds 1/2. Throws Error(usage) for open or empty meshes and
+/// for shapes too small to hold a particle, Error(too_large) for more than 32 bits can number.
 Sampling sample(const Shape& shape, double spacing, const std::filesystem::path& scene_directory);
 
 /// Whether a point lies in the shape; for regions and boundaries. Plane: on the side opposite to the normal.
+/// Meshes may be open: the winding number closes their holes. Throws Error(usage) as place() of shape.h.
 class ShapeQuery {
 public:
   ShapeQuery(const Shape& shape, const std::filesystem::path& scene_directory);

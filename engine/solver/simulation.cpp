@@ -109,6 +109,7 @@ Simulation::Simulation(Device& device, const Scene& scene, const Model& model, c
   allocate();
   upload(bonds);
   choose_step(time_step_);
+  if (plan_.frames) frame_ = std::make_unique<FrameOutput>(*this);
 }
 
 Simulation::~Simulation() = default;
