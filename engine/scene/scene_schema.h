@@ -98,7 +98,7 @@ const Table& render_table();
 std::vector<const Table*> all_tables();
 
 /// What a key holds in words: "number", "[x, y, z]", "list of strings", ...
-std::string type_name(const Key& key);
+std::string type_name(const Key& key, const Table& table);
 /// The range in words: "above 0", "0 to 0.499"; empty where there is none.
 std::string range_text(const Range& range);
 /// The value of a key in an object, in the unit in which it is typed; null where it is not set.
