@@ -20,8 +20,7 @@ using schema::Nested;
 using schema::Table;
 using Kind = TomlValue::Kind;
 
-constexpr std::streamsize largest_file = 16
-                                         << 20; // bytes; a mesh given by mistake should not fill the memory
+constexpr std::size_t largest_file = 16 << 20; // bytes; a mesh given by mistake should not fill the memory
 
 /// "a/b" or "a", decimal. Empty where it is neither.
 std::optional<double> fraction(std::string_view text) {
@@ -131,15 +130,17 @@ private:
       findings_.add(value.where, fmt::format("{} = {} is not finite; type an ordinary number", path, number));
       return std::nullopt;
     }
+    const double size = std::abs(number);
+    if (size > schema::largest || (number != 0 && size < 1 / schema::largest)) {
+      findings_.add(value.where, fmt::format("{} = {} does not fit single precision; stay between {} and {}",
+                                             path, number, 1 / schema::largest, schema::largest));
+      return std::nullopt;
+    }
     if (number < range.low || number > range.high || (range.above && number <= range.low) ||
         (range.below && number >= range.high)) {
-      const std::string limits = schema::range_text(range);
-      findings_.add(value.where,
-                    limits.empty()
-                        ? fmt::format("{} = {} is too large for single precision; stay below {}", path,
-                                      number, schema::largest)
-                        : fmt::format("{} = {} is out of range: it must be {}{}{}{}", path, number, limits,
-                                      unit(key), range.why.empty() ? "" : ", because ", range.why));
+      findings_.add(value.where, fmt::format("{} = {} is out of range: it must be {}{}{}{}", path, number,
+                                             schema::range_text(range), unit(key),
+                                             range.why.empty() ? "" : ", because ", range.why));
       return std::nullopt;
     }
     return number * key.scale;
@@ -328,11 +329,13 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<std::strin
         ExitCode::usage,
         file.string() +
             ": no such scene file, or it cannot be read; `pliant scenes` lists those that come with it");
-  std::string text(static_cast<std::size_t>(largest_file) + 1, '\0');
-  stream.read(text.data(), largest_file + 1);
-  if (stream.gcount() > largest_file)
-    throw Error(ExitCode::usage, file.string() + " is larger than 16 MiB; a scene is a short TOML file");
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  std::string text;
+  std::array<char, 4096> block;
+  while (stream.read(block.data(), block.size()), stream.gcount() > 0) {
+    text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
+    if (text.size() > largest_file)
+      throw Error(ExitCode::usage, file.string() + " is larger than 16 MiB; a scene is a short TOML file");
+  }
   return parse_scene(text, file, overrides);
 }
 

@@ -1,6 +1,7 @@
 // The rules of a scene file that join several keys, or several tables.
 #include "engine/scene/scene_parse_findings.h"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +16,7 @@ using Kind = TomlValue::Kind;
 /// Distances at which a cubic lattice has neighbours are sqrt(a2 + b2 + c2); between two of these a horizon
 /// is safe.
 constexpr std::array<double, 5> good_horizons = {1.87, 2.1, 2.35, 2.6, 3.1};
-constexpr double shell_margin = 0.01;
+constexpr double shell_margin = 0.01 + 1e-9; // so that 1.98 and 2.02 themselves are refused
 constexpr double most_steps = 1e9;
 constexpr double most_frames = 1e6;
 constexpr std::size_t longest_name = 64; // bytes; names become names of files and of groups in them

@@ -3,6 +3,17 @@
 
 #include "engine/core/error.h"
 
+// toml++ 3.3 asserts that some bad input ("[=") cannot be, and where NDEBUG is set assumes it, which is
+// undefined. Here its assertions throw, in every build. No other file may include it, or the two would
+// differ.
+namespace {
+struct Malformed {};
+constexpr void hold(bool expected) {
+  if (!expected) throw Malformed{};
+}
+} // namespace
+#undef NDEBUG
+#define TOML_ASSERT(expression) hold(static_cast<bool>(expression))
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -77,6 +88,32 @@ std::string one_line(std::string_view text) {
   return line;
 }
 
+bool is_malformed(std::string_view text) {
+  try {
+    static_cast<void>(toml::parse(text));
+  } catch (const Malformed&) {
+    return true;
+  } catch (const toml::parse_error&) {
+  }
+  return false;
+}
+
+/// The end of the shortest malformed beginning of a malformed text: the parser reads forwards, so all longer
+/// ones are.
+Where malformed_place(std::string_view text) {
+  std::size_t good = 0, bad = text.size();
+  while (bad - good > 1) {
+    const std::size_t middle = good + (bad - good) / 2;
+    (is_malformed(text.substr(0, middle)) ? bad : good) = middle;
+  }
+  Where where;
+  for (const char c : text.substr(0, good)) {
+    where.column = c == '\n' ? 1 : where.column + 1;
+    if (c == '\n') ++where.line;
+  }
+  return where;
+}
+
 bool is_bare(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
     return std::isalnum(c) || c == '_' || c == '-' || c == '.' || c == '/' || c == '+';
@@ -117,14 +154,19 @@ const char* TomlValue::kind_name() const {
 }
 
 TomlValue parse_toml(std::string_view text, const std::filesystem::path& file) {
+  Where where;
+  std::string reason;
   try {
     return convert(toml::parse(text, file.string()), -1);
   } catch (const toml::parse_error& error) {
-    const Where where = where_of(error.source(), -1);
-    throw Error(ExitCode::usage, file.string() + ":" + std::to_string(where.line) + ":" +
-                                     std::to_string(where.column) +
-                                     ": not valid TOML: " + one_line(error.description()));
+    where = where_of(error.source(), -1);
+    reason = one_line(error.description());
+  } catch (const Malformed&) {
+    where = malformed_place(text);
+    reason = "unexpected character";
   }
+  throw Error(ExitCode::usage, file.string() + ":" + std::to_string(where.line) + ":" +
+                                   std::to_string(where.column) + ": not valid TOML: " + reason);
 }
 
 bool parse_toml_value(std::string_view text, int override_index, TomlValue& value, std::string& reason) {
@@ -139,6 +181,8 @@ bool parse_toml_value(std::string_view text, int override_index, TomlValue& valu
     return true;
   } catch (const toml::parse_error& error) {
     reason = one_line(error.description());
+  } catch (const Malformed&) {
+    reason = "unexpected character";
   }
   if (!is_bare(text)) return false;
   value = TomlValue{};

@@ -14,6 +14,7 @@ using testing::StartsWith;
 TEST(SceneErrors, SyntaxHasItsPlace) {
   EXPECT_THAT(complaint("[simulation]\nspacing = = 3\n"), StartsWith("s.toml:2:11: not valid TOML"));
   EXPECT_THAT(complaint("a = 1\na = 2\n"), StartsWith("s.toml:2:"));
+  EXPECT_EQ(complaint("a = 1\n[=]\nb = 2\n"), "s.toml:2:2: not valid TOML: unexpected character");
 }
 
 TEST(SceneErrors, UnknownKeys) {
@@ -82,9 +83,11 @@ INSTANTIATE_TEST_SUITE_P(
         RangeCase{4, "density = -5", "above 0"},
         RangeCase{4, "young = 0", "must be above 0 and at most 1000000000000 (Pa)"},
         RangeCase{4, "young = 2e12", "at most 1000000000000"},
+        RangeCase{4, "density = 1e-31", "single precision"},
         RangeCase{4, "poisson = 0.5", "must be 0 to 0.499, because at 0.5 the bulk modulus is infinite"},
         RangeCase{4, "poisson = -0.1", "must be 0 to 0.499"}, RangeCase{4, "density = inf", "is not finite"},
-        RangeCase{4, "density = nan", "is not finite"}, RangeCase{4, "density = 1e31", "below 1e+30"},
+        RangeCase{4, "density = nan", "is not finite"},
+        RangeCase{4, "density = 1e31", "does not fit single precision; stay between 1e-30 and 1e+30"},
         RangeCase{4, "color = [0, 2, 0]", "color[1] = 2 is out of range: it must be 0 to 1"},
         RangeCase{4, "model = \"granular\"", "must be one of \"elastic\""},
         RangeCase{4, "law = \"corotatd\"", "did you mean 'corotated'?"},
