@@ -1,0 +1,282 @@
+// The rules of a scene file that join several keys, or several tables.
+#include "engine/scene/scene_parse_findings.h"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace pliant {
+namespace {
+
+using Kind = TomlValue::Kind;
+
+/// Distances at which a cubic lattice has neighbours are sqrt(a2 + b2 + c2); between two of these a horizon
+/// is safe.
+constexpr std::array<double, 5> good_horizons = {1.87, 2.1, 2.35, 2.6, 3.1};
+constexpr double shell_margin = 0.01 + 1e-9; // so that 1.98 and 2.02 themselves are refused
+constexpr double most_steps = 1e9;
+constexpr double most_frames = 1e6;
+constexpr std::size_t longest_name = 64; // bytes; names become names of files and of groups in them
+
+bool sum_of_three_squares(int n) {
+  while (n % 4 == 0) n /= 4; // Legendre: all but 4^a (8 b + 7)
+  return n % 8 != 7;
+}
+
+void check_simulation(const TomlValue& value, const SimulationSettings& simulation, Findings& findings) {
+  const TomlValue* typed = value.find("horizon");
+  for (int n = 1; typed && n <= 18; ++n) {
+    const double shell = std::sqrt(n);
+    if (!sum_of_three_squares(n) || std::abs(simulation.horizon / shell - 1) > shell_margin) continue;
+    const double good =
+        *std::min_element(good_horizons.begin(), good_horizons.end(), [&](double a, double b) {
+          return std::abs(a - simulation.horizon) < std::abs(b - simulation.horizon);
+        });
+    findings.add(
+        typed->where,
+        fmt::format(
+            "simulation.horizon = {} lies within 1 % of a shell of the cubic lattice (sqrt({}) = {:.4g} "
+            "spacings), where rounding decides which particles are neighbours; the nearest good one is {}",
+            simulation.horizon, n, shell, good));
+    return;
+  }
+}
+
+void check_shape(const TomlValue& value, Shape& shape, const std::string& path, Findings& findings) {
+  static constexpr std::array<std::pair<const char*, Shape::Kind>, 6> kinds = {
+      {{"box", Shape::Kind::box},
+       {"sphere", Shape::Kind::sphere},
+       {"cylinder", Shape::Kind::cylinder},
+       {"torus", Shape::Kind::torus},
+       {"mesh", Shape::Kind::mesh},
+       {"plane", Shape::Kind::plane}}};
+  std::vector<std::string> typed;
+  for (const auto& [name, kind] : kinds)
+    if (value.find(name)) {
+      typed.emplace_back(name);
+      shape.kind = kind;
+    }
+  if (typed.size() != 1) {
+    findings.add(
+        value.where,
+        fmt::format("{} must have exactly one of box, sphere, cylinder, torus, mesh, plane; it has {}", path,
+                    typed.empty() ? "none" : fmt::format("{}", fmt::join(typed, " and "))));
+    return;
+  }
+  const auto refuse = [&](const char* key, const char* reason) {
+    if (const TomlValue* entry = value.find(key))
+      findings.add(entry->key_where,
+                   fmt::format("{}.{} does not apply to a {}: {}", path, key, typed.front(), reason));
+  };
+  if (shape.kind != Shape::Kind::mesh) refuse("fit", "it scales a mesh; type the size itself");
+  if (shape.kind != Shape::Kind::plane) refuse("offset", "it places a plane; type at = [x, y, z]");
+  if (shape.kind == Shape::Kind::plane) {
+    refuse("rotate", "give the normal that it should have");
+    if (value.find("at")) {
+      if (value.find("offset")) refuse("offset", "at has placed it already");
+      shape.offset = shape.normal.dot(shape.at);
+    }
+  }
+  if (shape.kind == Shape::Kind::mesh) {
+    if (value.find("at")) shape.place = shape.at;
+    const TomlValue* mesh = value.find("mesh");
+    if (mesh->kind == Kind::text && mesh->text.empty())
+      findings.add(mesh->where, fmt::format("{}.mesh is empty; name a file such as \"armadillo.off\"", path));
+  }
+  if (shape.kind == Shape::Kind::torus && shape.radius > 0 && shape.tube > shape.radius)
+    findings.add(
+        value.find("torus")->where,
+        fmt::format("{}.torus: the tube ({}) must be at most the ring ({}), or the torus would cross itself",
+                    path, shape.tube, shape.radius));
+}
+
+void check_material(const TomlValue& value, Material& material, const std::string& path, Findings& findings) {
+  material.color_given = value.find("color") != nullptr;
+  if (material.law == "projective") {
+    const TomlValue* poisson = value.find("poisson");
+    if (!poisson)
+      material.poisson = 0.25;
+    else if (poisson->is_number() && material.poisson != 0.25)
+      findings.add(
+          poisson->where,
+          fmt::format(
+              "{}.poisson = {} cannot be had with law = \"projective\": that law always has ratio 1/4, "
+              "whatever is typed; for another ratio choose law = \"corotated\"",
+              path, material.poisson));
+    return;
+  }
+  for (const char* key : {"split", "inversion"})
+    if (const TomlValue* entry = value.find(key))
+      findings.add(entry->key_where,
+                   fmt::format("{}.{} applies to law = \"projective\" only; this law is \"{}\"", path, key,
+                               material.law));
+}
+
+void check_times(const TomlValue& value, double start, double end, const std::string& path,
+                 Findings& findings) {
+  if (const TomlValue* typed = value.find("end"); typed && end <= start)
+    findings.add(typed->where, fmt::format("{}.end = {} must be after its start = {}", path, end, start));
+}
+
+void check_moved(const TomlValue& value, const Motion& motion, const std::string& path, Findings& findings) {
+  check_times(value, motion.start, motion.end, path, findings);
+  if (motion.release.value_or(false) && !value.find("end"))
+    findings.add(value.find("release")->where,
+                 fmt::format("{}.release needs {}.end: particles are released then", path, path));
+}
+
+void check_boundary(const TomlValue& value, const Boundary& boundary, const std::string& path,
+                    Findings& findings) {
+  check_times(value, boundary.motion.start, boundary.motion.end, path, findings);
+  if (const TomlValue* friction = value.find("friction"); friction && !boundary.slip)
+    findings.add(
+        friction->key_where,
+        fmt::format(
+            "{}.friction applies where condition = \"slip\" only; \"no-slip\" holds every particle that "
+            "touches",
+            path));
+  if (boundary.inside && boundary.shape.kind == Shape::Kind::plane)
+    findings.add(value.find("inside")->where,
+                 fmt::format("{}.inside does not apply to a plane: turn its normal round", path));
+}
+
+void check_camera(const TomlValue& value, const Camera& camera, const std::string& path, Findings& findings) {
+  if (!value.find("eye") || !value.find("look")) return;
+  const Vector3 view = camera.look - camera.eye;
+  if (!(view.norm() > 0))
+    findings.add(value.where,
+                 fmt::format("{}: eye and look are the same point; the camera has no direction", path));
+  else if (!(view.normalized().cross(camera.up).norm() > 1e-6))
+    findings.add(value.where,
+                 fmt::format("{}: up is parallel to the view; give another up, such as [1, 0, 0]", path));
+}
+
+void check_render(const TomlValue& value, const RenderSettings& render, const std::string& path,
+                  Findings& findings) {
+  const TomlValue* range = value.find("range");
+  if (!range || !render.range) return;
+  if ((*render.range)[0] >= (*render.range)[1])
+    findings.add(range->where, fmt::format("{}.range must rise: [least, greatest]", path));
+  if (render.color == "body")
+    findings.add(range->key_where,
+                 fmt::format("{}.range needs {}.color to be a field, such as \"strain\"", path, path));
+}
+
+void check_name(const Where& where, std::string_view what, const std::string& name, Findings& findings) {
+  const bool legible = std::all_of(name.begin(), name.end(), [](char c) {
+    return static_cast<unsigned char>(c) >= 0x20 && c != '/' && c != '\\' && c != 0x7f;
+  });
+  if (name.empty() || name.size() > longest_name || !legible || name == "." || name == "..")
+    findings.add(
+        where,
+        fmt::format("the name of {} is {}; it must be of 1 to {} letters without slashes, because files "
+                    "are named after it",
+                    what, in_quotes(name), longest_name));
+}
+
+/// Names of bodies or boundaries: given where absent, unique, not mistaken for a number.
+template <class Things>
+void name_things(const TomlValue* list, Things& things, std::string_view what, Findings& findings) {
+  std::vector<std::string> taken;
+  for (std::size_t i = 0; i < things.size(); ++i) {
+    const TomlValue* typed = list->items[i].find("name");
+    const Where where = typed ? typed->where : list->items[i].where;
+    std::string& name = things[i].name;
+    if (!typed || typed->kind != Kind::text) name = fmt::format("{}-{}", what, i);
+    check_name(where, fmt::format("this {}", what), name, findings);
+    if (!name.empty() && name.find_first_not_of("0123456789") == std::string::npos)
+      findings.add(
+          where,
+          fmt::format("{} {} is named by a number, which stands for its place in the list; add a letter",
+                      what, in_quotes(name)));
+    if (std::find(taken.begin(), taken.end(), name) != taken.end())
+      findings.add(where, fmt::format("two {} are named {}; names must differ",
+                                      what == "body" ? "bodies" : "boundaries", in_quotes(name)));
+    taken.push_back(name);
+  }
+}
+
+void check_reference(const TomlValue& table, const std::string& path,
+                     const std::vector<std::string>& materials, Findings& findings) {
+  const TomlValue* typed = table.find("material");
+  if (!typed || typed->kind != Kind::text || materials.empty()) return;
+  if (std::find(materials.begin(), materials.end(), typed->text) == materials.end())
+    findings.add(typed->where, fmt::format("{}.material = {} is not a material of this scene{}", path,
+                                           in_quotes(typed->text), suggestion(typed->text, materials)));
+}
+
+} // namespace
+
+void check_table(const schema::Table& table, const TomlValue& value, void* object, const std::string& path,
+                 Findings& findings) {
+  if (&table == &schema::simulation_table()) {
+    check_simulation(value, *static_cast<SimulationSettings*>(object), findings);
+  } else if (&table == &schema::shape_table()) {
+    check_shape(value, *static_cast<Shape*>(object), path, findings);
+  } else if (&table == &schema::material_table()) {
+    check_material(value, *static_cast<Material*>(object), path, findings);
+  } else if (&table == &schema::moved_table()) {
+    check_moved(value, static_cast<Condition*>(object)->motion, path, findings);
+  } else if (&table == &schema::loaded_table()) {
+    const auto& condition = *static_cast<Condition*>(object);
+    check_times(value, condition.start, condition.end, path, findings);
+  } else if (&table == &schema::boundary_table()) {
+    check_boundary(value, *static_cast<Boundary*>(object), path, findings);
+  } else if (&table == &schema::camera_table()) {
+    check_camera(value, *static_cast<Camera*>(object), path, findings);
+  } else if (&table == &schema::render_table()) {
+    check_render(value, *static_cast<RenderSettings*>(object), path, findings);
+  } else if (&table == &schema::body_table() &&
+             static_cast<Body*>(object)->shape.kind == Shape::Kind::plane) {
+    findings.add(value.find("shape")->where,
+                 fmt::format("{}.shape: a plane encloses nothing to fill with particles", path));
+  }
+}
+
+void check_scene(const TomlValue& document, Scene& scene, Findings& findings) {
+  if (const TomlValue* name = document.find("name"); name && name->kind == Kind::text)
+    check_name(name->where, "the scene", scene.name, findings);
+  else
+    scene.name = scene.file.stem().string();
+
+  std::vector<std::string> materials;
+  if (const TomlValue* tables = document.find("materials"); tables && tables->kind == Kind::table) {
+    for (const TomlValue& table : tables->items) {
+      check_name(table.key_where, "this material", table.key, findings);
+      materials.push_back(table.key);
+    }
+    if (materials.empty()) findings.add(tables->where, "the scene has no material; add [materials.rubber]");
+  }
+  if (const TomlValue* bodies = document.find("body"); bodies && bodies->kind == Kind::array) {
+    if (bodies->items.empty()) findings.add(bodies->where, "the scene has no body; add [[body]]");
+    name_things(bodies, scene.bodies, "body", findings);
+    for (std::size_t i = 0; i < bodies->items.size(); ++i) {
+      check_reference(bodies->items[i], fmt::format("body.{}", i), materials, findings);
+      const TomlValue* regions = bodies->items[i].find("region");
+      for (std::size_t j = 0; regions && regions->kind == Kind::array && j < regions->items.size(); ++j)
+        check_reference(regions->items[j], fmt::format("body.{}.region.{}", i, j), materials, findings);
+    }
+  }
+  if (const TomlValue* boundaries = document.find("boundary"); boundaries && boundaries->kind == Kind::array)
+    name_things(boundaries, scene.boundaries, "boundary", findings);
+
+  const TomlValue* simulation = document.find("simulation");
+  if (!simulation) return;
+  const double steps = scene.simulation.end / scene.simulation.time_step;
+  if (!(steps <= most_steps))
+    findings.add(simulation->where,
+                 fmt::format("simulation: end / time_step asks for {:.3g} steps; at most {:.0e} are "
+                             "possible. Is a time in the wrong unit?",
+                             steps, most_steps));
+  const double frames = scene.simulation.end * scene.output.fps;
+  if (!(frames <= most_frames))
+    findings.add(simulation->where,
+                 fmt::format("simulation: end * output.fps asks for {:.3g} frames; at most {:.0e} are "
+                             "possible. Is a time in the wrong unit?",
+                             frames, most_frames));
+}
+
+} // namespace pliant
