@@ -1,0 +1,69 @@
+// What each law takes from Young's modulus and Poisson's ratio, by exact averages over the sphere of
+// directions.
+#include "engine/core/error.h"
+#include "engine/model/model.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+LawConstants law_constants(Law law, double young, double poisson, double split) {
+  if (!(young > 0) || !std::isfinite(young))
+    throw Error(ExitCode::usage,
+                fmt::format("Young's modulus must be a positive number of pascals, not {}", young));
+  LawConstants constants;
+  if (law == Law::projective) {
+    // Homogeneous deformation: W = (mu_1 + lambda_1 / 2) <(s - 1)^2>, whatever the split, and the ratio is
+    // 1/4.
+    if (!(split >= 0 && split <= 1))
+      throw Error(ExitCode::usage,
+                  fmt::format("the split of the projective law lies in 0 to 1, not at {}", split));
+    constants.modulus = 6 * young;
+    constants.coupling = split;
+    return constants;
+  }
+  if (!(poisson >= 0 && poisson <= 0.499))
+    throw Error(
+        ExitCode::usage,
+        fmt::format("Poisson's ratio must lie in 0 to 0.499 (the material's stiffness to compression is "
+                    "infinite at 0.5), not at {}",
+                    poisson));
+  const double shear = young / (2 * (1 + poisson));
+  const double lame = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  if (law == Law::corotated) {
+    const double mu = 3 * shear, kappa = 4.5 * lame;
+    constants.modulus = 2 * mu;
+    constants.coupling = kappa / mu;
+  } else {
+    const double bulk = lame + 2. / 3 * shear;
+    const double a = 4.5 * bulk, b = 7.5 * shear;
+    constants.modulus = 2 * b;
+    constants.coupling = (a - b) / b;
+  }
+  constants.bound = 1 + std::max(constants.coupling, 0.0);
+  return constants;
+}
+
+Law law_from_name(const std::string& name) {
+  for (const Law law : {Law::corotated, Law::ordinary, Law::projective})
+    if (name == law_name(law)) return law;
+  throw Error(ExitCode::usage,
+              fmt::format("there is no law \"{}\"; laws are corotated, ordinary and projective", name));
+}
+
+const char* law_name(Law law) {
+  switch (law) {
+  case Law::corotated:
+    return "corotated";
+  case Law::ordinary:
+    return "ordinary";
+  case Law::projective:
+    return "projective";
+  }
+  return "unknown";
+}
+
+} // namespace pliant

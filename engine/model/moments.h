@@ -1,0 +1,22 @@
+// Weights of one neighbourhood whose moments are those of an isotropic ball.
+#pragma once
+
+#include "engine/model/offset.h"
+
+#include <span>
+
+namespace pliant {
+
+struct NeighbourhoodWeights {
+  std::vector<double> weight; ///< non-negative, sum 1; empty where there are no neighbours
+  double residual = 0;        ///< of the moments, Frobenius norm relative to the target's
+};
+
+/// Normalised weights of the bond vectors, from the base influence r^exponent.
+/// `order` 2: second moments, sum w N N = I / 3. `order` 4: fourth, sum w N N N N = (dd + dd + dd) / 15.
+/// Where `matched`, the weights nearest to the base that meet the moments, or miss them least; see
+/// moments.cpp.
+NeighbourhoodWeights neighbourhood_weights(std::span<const GridVector> vectors, double exponent, int order,
+                                           bool matched);
+
+} // namespace pliant
