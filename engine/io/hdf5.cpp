@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
@@ -41,8 +42,12 @@ int close_type(Id id) {
   return H5Tclose(id);
 }
 
-void silence() {
-  static const bool done = [] { return H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0; }();
+// Called before anything else of HDF5. Its work at exit is left out: it crashes (1.10) where a file could not
+// be closed because the disk is full, and all that we open is closed by its owner.
+void prepare_library() {
+  static const bool done = [] {
+    return H5dont_atexit() >= 0 && H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0;
+  }();
   (void)done;
 }
 
@@ -159,7 +164,7 @@ Handle link_list(const Place& place) {
 }
 
 Handle access_list(const Place& place) {
-  silence();
+  prepare_library();
   Handle list = own(H5Pcreate(H5P_FILE_ACCESS), close_list, "open", place);
   check(H5Pset_file_locking(list.get(), false, true), "open", place);
   return list;
@@ -421,6 +426,10 @@ void File::reserve(std::uint64_t bytes) {
   if (H5Fget_vfd_handle(handle_.get(), H5P_DEFAULT, &descriptor) < 0 || !descriptor) return;
   const int file = *static_cast<int*>(descriptor);
   const off_t end = ::lseek(file, 0, SEEK_END);
+  rlimit limit;
+  if (::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+      static_cast<std::uint64_t>(end) + bytes > limit.rlim_cur)
+    refuse(EFBIG);
 #ifdef __linux__
   if (::fallocate(file, FALLOC_FL_KEEP_SIZE, end, static_cast<off_t>(bytes)) == 0) return;
   if (errno == ENOSPC || errno == EDQUOT || errno == EFBIG) refuse(errno);
