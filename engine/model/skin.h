@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/model/model.h"
+#include "kernels/kernel.h"
 
 namespace pliant {
 
