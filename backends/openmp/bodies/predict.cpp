@@ -1,8 +1,8 @@
 // predict on the CPU: y* of Eq. 12 as a displacement from the start of the step, and where the solve begins.
 //
 // With k.step = h (implicit Euler) the state at the start is y = 0, v. BDF2 solves the same problem with
-// k.step = 2h/3 and the start moved to ybar = (4 y^n - y^(n-1))/3 and vbar = (4 v^n - v^(n-1))/3; measured from
-// y^n, ybar is a third of the last displacement.
+// k.step = 2h/3 and the start moved to ybar = (4 y^n - y^(n-1))/3 and vbar = (4 v^n - v^(n-1))/3; measured
+// from y^n, ybar is a third of the last displacement.
 #include "backends/openmp/body.h"
 
 #include "kernels/predict.h"
