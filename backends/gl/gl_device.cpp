@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cstring>
 #include <unordered_map>
+#include <utility>
 
 namespace pliant::gl {
 
@@ -329,6 +330,7 @@ private:
       throw Error(ExitCode::internal,
                   std::string("kernel '") + kernel.name + "': buffer '" + field.name + "' " + what);
     };
+    bound_.clear();
     for (const Field& field : kernel.fields) {
       if (field.role == Role::option) continue;
       if (field.role == Role::parameter) {
@@ -345,6 +347,11 @@ private:
       if (!program.uses(field)) continue;
       const BufferStorage* buffer = argument<BufferStorage*>(args, field.offset);
       if (!buffer) fail(field, "is used by this variant and not given");
+      // Both backends promise their compilers that nothing written is seen through another name.
+      const bool written = field.role == Role::out || field.role == Role::inout;
+      for (const auto& [other, other_written] : bound_)
+        if (other == buffer && (written || other_written)) fail(field, "is bound twice and written");
+      bound_.emplace_back(buffer, written);
       const bool table = field.role == Role::table;
       if (table && buffer->bytes() < 16 * field.size) fail(field, "is smaller than its table");
       gl.BindBufferBase(table ? GL_UNIFORM_BUFFER : GL_SHADER_STORAGE_BUFFER, field.slot, name_of(buffer));
@@ -359,7 +366,9 @@ private:
   std::unique_ptr<Timer> timer_;
   std::unordered_map<const KernelInfo*, std::vector<Variant>> variants_;
   std::vector<std::string> prepared_;
-  std::vector<std::uint32_t> parameters_; ///< of the dispatch under way
+  // Of the dispatch under way: parameter values; buffers, and whether they are written.
+  std::vector<std::uint32_t> parameters_;
+  std::vector<std::pair<const BufferStorage*, bool>> bound_;
   unsigned from_cache_ = 0;
 };
 
