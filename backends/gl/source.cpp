@@ -96,25 +96,20 @@ void append_file(Source& source, const std::string& name, const Texts& texts) {
   if (file == texts.end()) throw Error(ExitCode::internal, "shader file '" + name + "' is not in this build");
   const std::size_t number = source.files.size();
   source.files.push_back(name);
-  const auto mark = [&](std::size_t line) {
-    source.text += "#line " + std::to_string(line) + " " + std::to_string(number) + "\n";
-  };
-  mark(1);
   std::istringstream in(file->second);
   std::string line;
   for (std::size_t count = 1; std::getline(in, line); ++count) {
     const std::string included = included_file(line);
     if (included.empty()) {
       source.text += line + "\n";
+      source.origins.push_back({number, count});
       continue;
     }
-    if (std::find(source.files.begin(), source.files.end(), included) == source.files.end()) {
-      if (!texts.count(included))
-        throw Error(ExitCode::internal, name + ":" + std::to_string(count) + ": shader file '" + included +
-                                            "' is not in this build");
-      append_file(source, included, texts);
-    }
-    mark(count + 1);
+    if (std::find(source.files.begin(), source.files.end(), included) != source.files.end()) continue;
+    if (!texts.count(included))
+      throw Error(ExitCode::internal, name + ":" + std::to_string(count) + ": shader file '" + included +
+                                          "' is not in this build");
+    append_file(source, included, texts);
   }
 }
 
@@ -130,7 +125,12 @@ Source expand_kernel(const KernelInfo& kernel, const void* args, const Texts& te
   const std::set<std::string> names = names_used(source.text, options);
   for (const Field& field : kernel.fields)
     if (field.role >= Role::table && names.count(field.name)) source.names.insert(field.name);
-  source.text.insert(0, interface_text(kernel, args, source.names));
+  const std::string interface = interface_text(kernel, args, source.names);
+  std::vector<Source::Origin> origins;
+  for (const char c : interface)
+    if (c == '\n') origins.push_back({0, origins.size() + 1});
+  source.text.insert(0, interface);
+  source.origins.insert(source.origins.begin(), origins.begin(), origins.end());
   return source;
 }
 
@@ -146,18 +146,16 @@ std::string readable_log(const std::string& log, const Source& source) {
     std::size_t from = 0;
     for (const char* word : {"ERROR: ", "WARNING: "})
       if (line.rfind(word, 0) == 0) from = std::strlen(word);
-    const std::size_t end = digits(from);
-    const bool numbered = end > from && end - from < 6 && end + 1 < line.size() &&
-                          (line[end] == ':' || line[end] == '(') && digits(end + 1) > end + 1;
-    const std::size_t file = numbered ? std::stoul(line.substr(from, end - from)) : source.files.size();
-    if (file < source.files.size()) {
-      const std::size_t last = digits(end + 1);
-      const std::size_t rest = line[end] == '(' && last < line.size() ? last + 1 : last;
-      result += line.substr(0, from) + source.files[file] + ":" + line.substr(end + 1, last - end - 1) +
-                line.substr(rest) + "\n";
-    } else {
-      result += line + "\n";
+    const bool numbered = line.compare(from, 2, "0:") == 0 || line.compare(from, 2, "0(") == 0;
+    const std::size_t begin = from + 2, end = numbered ? digits(begin) : begin;
+    const std::size_t place =
+        end > begin && end - begin < 9 ? std::stoul(line.substr(begin, end - begin)) : 0;
+    if (place > 0 && place <= source.origins.size()) {
+      const auto [file, number] = source.origins[place - 1];
+      const std::size_t rest = line[from + 1] == '(' && end < line.size() ? end + 1 : end;
+      line.replace(from, rest - from, source.files[file] + ":" + std::to_string(number));
     }
+    result += line + "\n";
   }
   return result;
 }

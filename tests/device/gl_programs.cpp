@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <unistd.h>
@@ -19,7 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::Not;
 
 bool gl_present() {
   for (const DeviceChoice& choice : device_choices())
@@ -149,12 +149,13 @@ TEST_F(GlPrograms, FaultsNameFileAndLine) {
 
 TEST(GlLogs, AreReadableFromEveryCompiler) {
   gl::Source source;
-  source.files = {"interface of k", "common/a.glsl", "k.comp"};
-  EXPECT_EQ(gl::readable_log("2:12(5): error: x\n", source), "k.comp:12: error: x\n");
-  EXPECT_EQ(gl::readable_log("1(7) : error C0000: x\n", source), "common/a.glsl:7 : error C0000: x\n");
-  EXPECT_EQ(gl::readable_log("ERROR: 2:3: 'x' : undeclared\n", source),
-            "ERROR: k.comp:3: 'x' : undeclared\n");
-  EXPECT_EQ(gl::readable_log("9:1: x\nlinker 2:3\n", source), "9:1: x\nlinker 2:3\n");
+  gl::append_file(source, "k.comp", {{"k.comp", "a\n#include \"b.glsl\"\nc\n"}, {"b.glsl", "d\ne\n"}});
+  EXPECT_EQ(source.text, "a\nd\ne\nc\n");
+  EXPECT_EQ(gl::readable_log("0:4(5): error: x\n", source), "k.comp:3(5): error: x\n");
+  EXPECT_EQ(gl::readable_log("0(3) : error C0000: x\n", source), "b.glsl:2 : error C0000: x\n");
+  EXPECT_EQ(gl::readable_log("ERROR: 0:1: 'x' : undeclared\n", source),
+            "ERROR: k.comp:1: 'x' : undeclared\n");
+  EXPECT_EQ(gl::readable_log("0:9: x\nlinker 0:3\n0:\n", source), "0:9: x\nlinker 0:3\n0:\n");
 }
 
 TEST_F(GlPrograms, ComeFromTheCacheTheSecondTime) {

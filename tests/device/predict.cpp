@@ -89,7 +89,7 @@ class Predict : public testing::TestWithParam<DeviceChoice> {
 protected:
   std::unique_ptr<Device> device = GetParam().open();
 
-  // Four operations deep and a division: 8 roundings of the largest term cover each path.
+  // Four operations deep with a division; 0.9 roundings of the sum of the terms were seen, 4 are allowed.
   void expect_formula(const Problem& problem, const Result& result) {
     const long double h = problem.step;
     double worst = 0;
@@ -112,7 +112,7 @@ protected:
         const long double guess = target - (1 - static_cast<long double>(problem.velocity[i].w)) * h * h * g;
         const long double size = std::abs(start) + h * (std::abs(drift) + 2 * std::abs(v)) +
                                  h * h * (std::abs(g) + std::abs(f / mass));
-        const double limit = 8 * GetParam().epsilon() * static_cast<double>(size);
+        const double limit = 4 * GetParam().epsilon() * static_cast<double>(size);
         const double error = std::abs(static_cast<double>(component(result.target[i], axis) - target));
         worst = std::max(worst, error / limit);
         EXPECT_LE(error, limit) << "target " << i << ", axis " << axis;
@@ -180,8 +180,7 @@ TEST_P(Predict, NoThreadsDoNothing) {
   for (const auto& value : result.target) EXPECT_EQ(value.x, sentinel);
 }
 
-INSTANTIATE_TEST_SUITE_P(Devices, Predict, testing::ValuesIn(device_choices()),
-                         [](const auto& info) { return choice_name(info); });
+INSTANTIATE_TEST_SUITE_P(Devices, Predict, testing::ValuesIn(device_choices()), ChoiceName());
 
 } // namespace
 } // namespace pliant::test

@@ -119,8 +119,7 @@ TEST_P(Replay, IsTheLiveDeviceToTheRest) {
   EXPECT_EQ(gl::is_gl(*device), GetParam().gl());
 }
 
-INSTANTIATE_TEST_SUITE_P(Devices, Replay, testing::ValuesIn(device_choices()),
-                         [](const auto& info) { return choice_name(info); });
+INSTANTIATE_TEST_SUITE_P(Devices, Replay, testing::ValuesIn(device_choices()), ChoiceName());
 
 } // namespace
 } // namespace pliant::test

@@ -132,8 +132,7 @@ TEST_P(Transfers, ABufferBeyondTheLimitIsRefusedByName) {
   EXPECT_EQ(device->bytes_allocated(), before);
 }
 
-INSTANTIATE_TEST_SUITE_P(Devices, Transfers, testing::ValuesIn(device_choices()),
-                         [](const auto& info) { return choice_name(info); });
+INSTANTIATE_TEST_SUITE_P(Devices, Transfers, testing::ValuesIn(device_choices()), ChoiceName());
 
 } // namespace
 } // namespace pliant::test

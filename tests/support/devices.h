@@ -48,16 +48,17 @@ inline const std::vector<DeviceChoice>& device_choices() {
       if (listing.usable)
         found.push_back({"gl_" + index, "gl:" + index, Precision::single_precision});
       else
-        std::printf("[ SKIPPED  ] gl device '%s': %s\n", listing.name.c_str(), listing.missing.c_str());
+        std::fprintf(stderr, "[ SKIPPED  ] gl device '%s': %s\n", listing.name.c_str(),
+                     listing.missing.c_str());
     }
     return found;
   }();
   return choices;
 }
 
-/// For INSTANTIATE_TEST_SUITE_P(…, devices, testing::ValuesIn(device_choices()), choice_name).
-inline std::string choice_name(const auto& info) {
-  return info.param.name;
-}
+/// For INSTANTIATE_TEST_SUITE_P(…, …, testing::ValuesIn(device_choices()), ChoiceName()).
+struct ChoiceName {
+  template <class Info> std::string operator()(const Info& info) const { return info.param.name; }
+};
 
 } // namespace pliant::test
