@@ -101,10 +101,14 @@ bool Context::load_functions(std::string& reason) {
 
 ThreadState ThreadState::capture() {
   ThreadState state;
-  if (const Egl* egl = Egl::load(); egl && (state.egl_context = egl->current_context())) {
-    state.egl_display = egl->current_display();
-    state.egl_draw = egl->current_surface(Egl::draw);
-    state.egl_read = egl->current_surface(Egl::read);
+  if (const Egl* egl = Egl::load()) {
+    state.egl_api = egl->query_api();
+    state.egl_context = egl->current_context();
+    if (state.egl_context) {
+      state.egl_display = egl->current_display();
+      state.egl_draw = egl->current_surface(Egl::draw);
+      state.egl_read = egl->current_surface(Egl::read);
+    }
   }
   if (const OsMesa* osmesa = OsMesa::loaded(); osmesa && (state.osmesa_context = osmesa->current_context())) {
     int format = 0;
@@ -121,6 +125,7 @@ void ThreadState::unbind() const {
 }
 
 void ThreadState::bind() const {
+  if (egl_api) Egl::load()->bind_api(egl_api);
   if (egl_context) Egl::load()->make_current(egl_display, egl_draw, egl_read, egl_context);
   if (osmesa_context)
     OsMesa::load()->make_current(osmesa_context, osmesa_pixels, OsMesa::unsigned_byte, osmesa_width,

@@ -65,6 +65,7 @@ private:
 /// What is current on a thread, of EGL and of OSMesa.
 struct ThreadState {
   void *egl_display = nullptr, *egl_draw = nullptr, *egl_read = nullptr, *egl_context = nullptr;
+  unsigned egl_api = 0; ///< OpenGL or OpenGL ES: what EGL calls on this thread mean
   void *osmesa_context = nullptr, *osmesa_pixels = nullptr;
   int osmesa_width = 0, osmesa_height = 0;
   static ThreadState capture();

@@ -22,18 +22,19 @@ class EglContext final : public Context {
 public:
   EglContext(void* display, const char* kind) : Context(kind), egl_(*Egl::load()), display_(display) {
     const ThreadState before = ThreadState::capture();
-    const unsigned api = egl_.query_api();
+    before.unbind();
     egl_.bind_api(Egl::opengl_api);
     std::string reason = create();
-    egl_.bind_api(api);
     if (reason.empty()) {
       remember_own(context_);
-      make_current();
-      const bool good = load_functions(reason);
+      if (!egl_.make_current(display_, surface_, surface_, context_))
+        reason = "its context cannot be made current (" + error() + ")";
+      else
+        load_functions(reason);
       egl_.make_current(display_, nullptr, nullptr, nullptr);
-      before.bind();
-      if (good) return;
     }
+    before.bind();
+    if (reason.empty()) return;
     destroy();
     throw Error(ExitCode::no_device, reason);
   }
@@ -45,6 +46,7 @@ public:
   void make_current() override {
     if (is_current()) return;
     ThreadState::capture().unbind();
+    egl_.bind_api(Egl::opengl_api); // what "current" means to EGL depends on it
     if (!egl_.make_current(display_, surface_, surface_, context_))
       throw Error(ExitCode::no_device, "the EGL context cannot be made current here (" + error() +
                                            "); it may be in use by another thread, or this thread may have a "

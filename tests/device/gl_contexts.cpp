@@ -49,6 +49,7 @@ protected:
 };
 
 TEST_F(GlContexts, OpenWithoutADisplay) {
+  const unsigned api = ThreadState::capture().egl_api;
   const auto context = Context::open(0);
   EXPECT_FALSE(context->is_current());
   {
@@ -62,6 +63,7 @@ TEST_F(GlContexts, OpenWithoutADisplay) {
   }
   EXPECT_FALSE(context->is_current());
   EXPECT_TRUE(ThreadState::capture().empty());
+  EXPECT_EQ(ThreadState::capture().egl_api, api) << "another API is bound on this thread";
 }
 
 TEST_F(GlContexts, OfTheSurfacelessPlatform) {
