@@ -56,7 +56,8 @@ int gl_index(const std::string& backend) {
   const char *first = backend.data() + 3, *last = backend.data() + backend.size();
   const auto [end, error] = std::from_chars(first, last, index);
   if (error != std::errc() || end != last || index < 0)
-    throw Error(ExitCode::usage, "backend '" + backend + "': after gl: comes the number of a device (see pliant doctor)");
+    throw Error(ExitCode::usage,
+                "backend '" + backend + "': after gl: comes the number of a device (see pliant doctor)");
   return index;
 }
 

@@ -72,7 +72,9 @@ std::unique_ptr<Context> Context::from_current(GetProcAddress get_proc_address) 
   return std::make_unique<HostContext>(get_proc_address);
 }
 
-bool Context::software() const { return software_renderer(renderer_); }
+bool Context::software() const {
+  return software_renderer(renderer_);
+}
 
 bool Context::load_functions(std::string& reason) {
   const auto load = [](void* self, const char* name) {
@@ -99,10 +101,14 @@ bool Context::load_functions(std::string& reason) {
 
 ThreadState ThreadState::capture() {
   ThreadState state;
-  if (const Egl* egl = Egl::load(); egl && (state.egl_context = egl->current_context())) {
-    state.egl_display = egl->current_display();
-    state.egl_draw = egl->current_surface(Egl::draw);
-    state.egl_read = egl->current_surface(Egl::read);
+  if (const Egl* egl = Egl::load()) {
+    state.egl_api = egl->query_api();
+    state.egl_context = egl->current_context();
+    if (state.egl_context) {
+      state.egl_display = egl->current_display();
+      state.egl_draw = egl->current_surface(Egl::draw);
+      state.egl_read = egl->current_surface(Egl::read);
+    }
   }
   if (const OsMesa* osmesa = OsMesa::loaded(); osmesa && (state.osmesa_context = osmesa->current_context())) {
     int format = 0;
@@ -119,9 +125,11 @@ void ThreadState::unbind() const {
 }
 
 void ThreadState::bind() const {
+  if (egl_api) Egl::load()->bind_api(egl_api);
   if (egl_context) Egl::load()->make_current(egl_display, egl_draw, egl_read, egl_context);
   if (osmesa_context)
-    OsMesa::load()->make_current(osmesa_context, osmesa_pixels, OsMesa::unsigned_byte, osmesa_width, osmesa_height);
+    OsMesa::load()->make_current(osmesa_context, osmesa_pixels, OsMesa::unsigned_byte, osmesa_width,
+                                 osmesa_height);
 }
 
 Current::Current(Context& context, Restore restore) {

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cstring>
 #include <unordered_map>
+#include <utility>
 
 namespace pliant::gl {
 
@@ -28,25 +29,33 @@ struct State {
 
 // The context is current and a host's bindings are kept, for a scope.
 struct Scope {
-  explicit Scope(const State& state) : current(*state.context, Current::Restore::foreign), host(*state.context) {}
+  explicit Scope(const State& state)
+      : current(*state.context, Current::Restore::foreign), host(*state.context) {}
   Current current;
   HostState host;
 };
 
 const char* error_name(GLenum error) {
   switch (error) {
-  case GL_INVALID_ENUM: return "GL_INVALID_ENUM";
-  case GL_INVALID_VALUE: return "GL_INVALID_VALUE";
-  case GL_INVALID_OPERATION: return "GL_INVALID_OPERATION";
-  case GL_INVALID_FRAMEBUFFER_OPERATION: return "GL_INVALID_FRAMEBUFFER_OPERATION";
-  case GL_OUT_OF_MEMORY: return "GL_OUT_OF_MEMORY";
-  default: return "an unknown error";
+  case GL_INVALID_ENUM:
+    return "GL_INVALID_ENUM";
+  case GL_INVALID_VALUE:
+    return "GL_INVALID_VALUE";
+  case GL_INVALID_OPERATION:
+    return "GL_INVALID_OPERATION";
+  case GL_INVALID_FRAMEBUFFER_OPERATION:
+    return "GL_INVALID_FRAMEBUFFER_OPERATION";
+  case GL_OUT_OF_MEMORY:
+    return "GL_OUT_OF_MEMORY";
+  default:
+    return "an unknown error";
   }
 }
 
 class GlBuffer final : public BufferStorage {
 public:
-  GlBuffer(std::shared_ptr<State> state, std::string_view name, Type type, std::size_t count, std::size_t bytes)
+  GlBuffer(std::shared_ptr<State> state, std::string_view name, Type type, std::size_t count,
+           std::size_t bytes)
       : BufferStorage(name, type, count, bytes), state_(std::move(state)) {
     const Scope scope(*state_);
     const GladGLContext& gl = state_->gl();
@@ -64,8 +73,8 @@ public:
     if (error != GL_NO_ERROR) {
       gl.DeleteBuffers(1, &name_);
       throw Error(error == GL_OUT_OF_MEMORY ? ExitCode::too_large : ExitCode::internal,
-                  "no memory on " + state_->context->renderer() + " for buffer '" + std::string(name) + "' of " +
-                      std::to_string(bytes) + " bytes beside " + std::to_string(state_->allocated) +
+                  "no memory on " + state_->context->renderer() + " for buffer '" + std::string(name) +
+                      "' of " + std::to_string(bytes) + " bytes beside " + std::to_string(state_->allocated) +
                       " in use (" + error_name(error) + "); use a larger spacing");
     }
     state_->allocated += bytes;
@@ -87,7 +96,9 @@ private:
   GLuint name_ = 0;
 };
 
-GLuint name_of(const BufferStorage* buffer) { return static_cast<const GlBuffer*>(buffer)->gl(); }
+GLuint name_of(const BufferStorage* buffer) {
+  return static_cast<const GlBuffer*>(buffer)->gl();
+}
 
 class GlReadback final : public Readback {
 public:
@@ -191,8 +202,8 @@ public:
   Buffer allocate(std::string_view name, Type type, std::size_t count) override {
     const std::size_t each = element_bytes(type, Precision::single_precision);
     if (count > info_.max_buffer_bytes / each)
-      throw Error(ExitCode::too_large, "buffer '" + std::string(name) + "' needs " + std::to_string(count) + " x " +
-                                           std::to_string(each) + " bytes, more than the " +
+      throw Error(ExitCode::too_large, "buffer '" + std::string(name) + "' needs " + std::to_string(count) +
+                                           " x " + std::to_string(each) + " bytes, more than the " +
                                            std::to_string(info_.max_buffer_bytes) +
                                            " bytes of GL_MAX_SHADER_STORAGE_BLOCK_SIZE on " + info_.name +
                                            "; use a larger spacing or --backend openmp");
@@ -204,8 +215,8 @@ public:
     const Scope scope(*state_);
     const GladGLContext& gl = state_->gl();
     gl.BindBuffer(GL_COPY_WRITE_BUFFER, name_of(buffer));
-    gl.BufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(first), static_cast<GLsizeiptr>(bytes.size()),
-                     bytes.data());
+    gl.BufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(first),
+                     static_cast<GLsizeiptr>(bytes.size()), bytes.data());
   }
 
   void read(const BufferStorage* buffer, std::size_t first, std::span<std::byte> bytes) override {
@@ -213,8 +224,8 @@ public:
     const Scope scope(*state_);
     const GladGLContext& gl = state_->gl();
     gl.BindBuffer(GL_COPY_READ_BUFFER, name_of(buffer));
-    gl.GetBufferSubData(GL_COPY_READ_BUFFER, static_cast<GLintptr>(first), static_cast<GLsizeiptr>(bytes.size()),
-                        bytes.data());
+    gl.GetBufferSubData(GL_COPY_READ_BUFFER, static_cast<GLintptr>(first),
+                        static_cast<GLsizeiptr>(bytes.size()), bytes.data());
     check("a read of buffer '" + buffer->name() + "'");
   }
 
@@ -228,7 +239,8 @@ public:
     gl.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, static_cast<GLsizeiptr>(bytes));
   }
 
-  std::unique_ptr<Readback> request(const BufferStorage* buffer, std::size_t first, std::size_t bytes) override {
+  std::unique_ptr<Readback> request(const BufferStorage* buffer, std::size_t first,
+                                    std::size_t bytes) override {
     if (first + bytes > buffer->bytes())
       throw Error(ExitCode::internal, "a readback reaches beyond buffer '" + buffer->name() + "'");
     const Scope scope(*state_);
@@ -247,7 +259,7 @@ public:
     if (threads == 0) return;
     const GladGLContext& gl = state_->gl();
     bind(kernel, args, program);
-    gl.UseProgram(program.program.name());
+    gl.UseProgram(program.name());
     const std::uint32_t groups = (threads - 1) / kernel.group_size + 1;
     const std::uint32_t rows = (groups - 1) / max_groups + 1;
     gl.DispatchCompute((groups - 1) / rows + 1, rows, 1);
@@ -305,7 +317,7 @@ private:
     for (const Field& field : kernel.fields)
       if (field.role == Role::option) fresh.options.push_back(argument<std::uint32_t>(args, field.offset));
     fresh.program = std::make_unique<KernelProgram>(*state_->context, kernel, args, texts_);
-    from_cache_ += fresh.program->program.from_cache();
+    from_cache_ += fresh.program->from_cache();
     prepared_.push_back(variant_name(kernel, args));
     known.push_back(std::move(fresh));
     return *known.back().program;
@@ -315,8 +327,10 @@ private:
     const GladGLContext& gl = state_->gl();
     parameters_.assign(1, argument<ArgsHeader>(args, 0).threads);
     const auto fail = [&](const Field& field, const char* what) {
-      throw Error(ExitCode::internal, std::string("kernel '") + kernel.name + "': buffer '" + field.name + "' " + what);
+      throw Error(ExitCode::internal,
+                  std::string("kernel '") + kernel.name + "': buffer '" + field.name + "' " + what);
     };
+    bound_.clear();
     for (const Field& field : kernel.fields) {
       if (field.role == Role::option) continue;
       if (field.role == Role::parameter) {
@@ -330,18 +344,17 @@ private:
         parameters_.push_back(bits);
         continue;
       }
+      if (!program.uses(field)) continue;
       const BufferStorage* buffer = argument<BufferStorage*>(args, field.offset);
-      if (field.role == Role::table) {
-        const std::size_t needed = program.table_bytes[field.slot];
-        if (needed == 0) continue;
-        if (!buffer) fail(field, "is used by this variant and not given");
-        if (buffer->bytes() < needed) fail(field, "is smaller than its table");
-        gl.BindBufferBase(GL_UNIFORM_BUFFER, field.slot, name_of(buffer));
-        continue;
-      }
-      if (!program.uses_slot[field.slot]) continue;
       if (!buffer) fail(field, "is used by this variant and not given");
-      gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, field.slot, name_of(buffer));
+      // Both backends promise their compilers that nothing written is seen through another name.
+      const bool written = field.role == Role::out || field.role == Role::inout;
+      for (const auto& [other, other_written] : bound_)
+        if (other == buffer && (written || other_written)) fail(field, "is bound twice and written");
+      bound_.emplace_back(buffer, written);
+      const bool table = field.role == Role::table;
+      if (table && buffer->bytes() < 16 * field.size) fail(field, "is smaller than its table");
+      gl.BindBufferBase(table ? GL_UNIFORM_BUFFER : GL_SHADER_STORAGE_BUFFER, field.slot, name_of(buffer));
     }
     ring_->bind(parameter_slot, parameters_.data(), 4 * parameters_.size());
   }
@@ -353,13 +366,16 @@ private:
   std::unique_ptr<Timer> timer_;
   std::unordered_map<const KernelInfo*, std::vector<Variant>> variants_;
   std::vector<std::string> prepared_;
-  std::vector<std::uint32_t> parameters_; ///< of the dispatch under way
+  // Of the dispatch under way: parameter values; buffers, and whether they are written.
+  std::vector<std::uint32_t> parameters_;
+  std::vector<std::pair<const BufferStorage*, bool>> bound_;
   unsigned from_cache_ = 0;
 };
 
 GlDevice& gl_device(Device& device) {
   auto* found = dynamic_cast<GlDevice*>(&unwrapped(device));
-  if (!found) throw Error(ExitCode::internal, "a GL device was expected, and this one is " + device.info().backend);
+  if (!found)
+    throw Error(ExitCode::internal, "a GL device was expected, and this one is " + device.info().backend);
   return *found;
 }
 
@@ -369,11 +385,17 @@ std::unique_ptr<Device> make_device(std::unique_ptr<Context> context, const Text
   return std::make_unique<GlDevice>(std::move(context), texts ? *texts : shader_texts());
 }
 
-std::unique_ptr<Device> make_device(int index) { return make_device(Context::open(index)); }
+std::unique_ptr<Device> make_device(int index) {
+  return make_device(Context::open(index));
+}
 
-bool is_gl(Device& device) { return dynamic_cast<GlDevice*>(&unwrapped(device)) != nullptr; }
+bool is_gl(Device& device) {
+  return dynamic_cast<GlDevice*>(&unwrapped(device)) != nullptr;
+}
 
-Context& context_of(Device& device) { return *gl_device(device).state().context; }
+Context& context_of(Device& device) {
+  return *gl_device(device).state().context;
+}
 
 unsigned gl_name(const BufferStorage& buffer) {
   const auto* found = dynamic_cast<const GlBuffer*>(&buffer);
@@ -381,6 +403,8 @@ unsigned gl_name(const BufferStorage& buffer) {
   return found->gl();
 }
 
-unsigned programs_from_cache(Device& device) { return gl_device(device).from_cache(); }
+unsigned programs_from_cache(Device& device) {
+  return gl_device(device).from_cache();
+}
 
 } // namespace pliant::gl

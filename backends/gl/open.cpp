@@ -15,24 +15,26 @@ namespace pliant::gl {
 
 namespace {
 
-constexpr const char* advice = "install libegl1 and libgl1-mesa-dri (Debian), or the EGL library of the GPU's maker";
+constexpr const char* advice =
+    "install libegl1 and libgl1-mesa-dri (Debian), or the EGL library of the GPU's maker";
 
 class EglContext final : public Context {
 public:
   EglContext(void* display, const char* kind) : Context(kind), egl_(*Egl::load()), display_(display) {
     const ThreadState before = ThreadState::capture();
-    const unsigned api = egl_.query_api();
+    before.unbind();
     egl_.bind_api(Egl::opengl_api);
     std::string reason = create();
-    egl_.bind_api(api);
     if (reason.empty()) {
       remember_own(context_);
-      make_current();
-      const bool good = load_functions(reason);
+      if (!egl_.make_current(display_, surface_, surface_, context_))
+        reason = "its context cannot be made current (" + error() + ")";
+      else
+        load_functions(reason);
       egl_.make_current(display_, nullptr, nullptr, nullptr);
-      before.bind();
-      if (good) return;
     }
+    before.bind();
+    if (reason.empty()) return;
     destroy();
     throw Error(ExitCode::no_device, reason);
   }
@@ -44,6 +46,7 @@ public:
   void make_current() override {
     if (is_current()) return;
     ThreadState::capture().unbind();
+    egl_.bind_api(Egl::opengl_api); // what "current" means to EGL depends on it
     if (!egl_.make_current(display_, surface_, surface_, context_))
       throw Error(ExitCode::no_device, "the EGL context cannot be made current here (" + error() +
                                            "); it may be in use by another thread, or this thread may have a "
@@ -71,7 +74,7 @@ private:
       if (!egl_.choose_config(display_, wanted, &config, 1, &count) || count < 1)
         return "EGL has no configuration for OpenGL";
     }
-    const Egl::Int attributes[] = {Egl::context_major, 4, Egl::context_minor, 3, Egl::profile_mask,
+    const Egl::Int attributes[] = {Egl::context_major,    4,        Egl::context_minor, 3, Egl::profile_mask,
                                    Egl::core_profile_bit, Egl::none};
     context_ = egl_.create_context(display_, config, nullptr, attributes);
     if (!context_) return "the driver gives no OpenGL 4.3 core context (" + error() + ")";
@@ -190,7 +193,8 @@ void add_display(std::vector<Candidate>& candidates, const char* kind, unsigned 
 }
 
 bool any_usable(const std::vector<Candidate>& candidates) {
-  return std::any_of(candidates.begin(), candidates.end(), [](const Candidate& c) { return c.listing.usable; });
+  return std::any_of(candidates.begin(), candidates.end(),
+                     [](const Candidate& c) { return c.listing.usable; });
 }
 
 std::vector<Candidate> find_candidates(const std::string& forced) {
@@ -223,7 +227,8 @@ const std::vector<Candidate>& candidates() {
   const char* environment = std::getenv("PLIANT_GL_CONTEXT");
   const std::string forced = environment ? environment : "";
   if (!forced.empty() && forced != "egl" && forced != "surfaceless" && forced != "osmesa")
-    throw Error(ExitCode::usage, "PLIANT_GL_CONTEXT is '" + forced + "'; it may be egl, surfaceless or osmesa");
+    throw Error(ExitCode::usage,
+                "PLIANT_GL_CONTEXT is '" + forced + "'; it may be egl, surfaceless or osmesa");
   static std::mutex mutex;
   static std::map<std::string, std::vector<Candidate>> found;
   const std::lock_guard lock(mutex);
@@ -234,7 +239,9 @@ const std::vector<Candidate>& candidates() {
 
 } // namespace
 
-std::unique_ptr<Context> Context::open_osmesa() { return std::make_unique<OsMesaContext>(); }
+std::unique_ptr<Context> Context::open_osmesa() {
+  return std::make_unique<OsMesaContext>();
+}
 
 std::unique_ptr<Context> Context::open(int index) {
   const std::vector<Candidate>& all = candidates();
@@ -246,8 +253,9 @@ std::unique_ptr<Context> Context::open(int index) {
     throw Error(ExitCode::no_device, "no OpenGL 4.3 device was found" + reasons + "; " + advice);
   }
   if (index < 0 || index >= usable)
-    throw Error(ExitCode::no_device, "there is no GL device " + std::to_string(index) + "; this machine has " +
-                                         std::to_string(usable) + ", numbered from 0 (see pliant doctor)");
+    throw Error(ExitCode::no_device, "there is no GL device " + std::to_string(index) +
+                                         "; this machine has " + std::to_string(usable) +
+                                         ", numbered from 0 (see pliant doctor)");
   const Candidate& chosen = all[index];
   if (chosen.kind == "osmesa") return open_osmesa();
   return std::make_unique<EglContext>(chosen.display, chosen.kind.c_str());

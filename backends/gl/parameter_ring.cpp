@@ -53,8 +53,9 @@ void ParameterRing::bind(unsigned slot, const void* parameters, std::size_t byte
     std::memcpy(mapped_ + offset, parameters, bytes);
   } else {
     gl.BindBuffer(GL_UNIFORM_BUFFER, buffer_);
-    void* place = gl.MapBufferRange(GL_UNIFORM_BUFFER, static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(whole),
-                                    GL_MAP_WRITE_BIT | GL_MAP_UNSYNCHRONIZED_BIT | GL_MAP_INVALIDATE_RANGE_BIT);
+    void* place =
+        gl.MapBufferRange(GL_UNIFORM_BUFFER, static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(whole),
+                          GL_MAP_WRITE_BIT | GL_MAP_UNSYNCHRONIZED_BIT | GL_MAP_INVALIDATE_RANGE_BIT);
     if (!place) throw Error(ExitCode::internal, "the GL driver does not map its parameter buffer");
     std::memcpy(place, parameters, bytes);
     gl.UnmapBuffer(GL_UNIFORM_BUFFER);

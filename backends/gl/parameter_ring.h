@@ -1,5 +1,5 @@
-// Where the parameters of dispatches live: a uniform buffer used round and round, so that writing the next ones
-// never waits for a dispatch that still reads the last ones.
+// Where the parameters of dispatches live: a uniform buffer used round and round, so that writing the next
+// ones never waits for a dispatch that still reads the last ones.
 #pragma once
 
 #include "backends/gl/context.h"
@@ -21,8 +21,8 @@ public:
   void release();
 
 private:
-  // A segment is written again only after its fence; with four of them the fence has long passed. 128 KiB each
-  // hold 512 dispatches at the largest alignment that drivers ask for (256 bytes).
+  // A segment is written again only after its fence; with four of them the fence has long passed. 128 KiB
+  // each hold 512 dispatches at the largest alignment that drivers ask for (256 bytes).
   static constexpr std::size_t segments = 4, segment_bytes = 128 * 1024;
 
   void next_segment();

@@ -1,14 +1,17 @@
-// From a kernel's declaration to the text that the GLSL compiler gets, and back from its log to file and line.
+// From a kernel's declaration to the text that the GLSL compiler gets, and back from its log to file and
+// line.
 //
 //   #version, types, options as numbers
-//   parameters (uniform block), tables (uniform blocks), buffers (storage blocks), each in its slot
-//   common/threads.glsl, then <kernel>.comp with its #include lines expanded, each file once
+//   parameters (uniform block), tables (uniform blocks), buffers (storage blocks), each in its slot; of
+//   tables and buffers only those that the variant uses common/threads.glsl, then <kernel>.comp with its
+//   #include lines expanded, each file once
 #pragma once
 
 #include "kernels/kernel.h"
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,20 +25,28 @@ inline constexpr std::uint32_t parameter_slot = 11;
 /// Storage blocks that OpenGL 4.3 promises to a compute shader.
 inline constexpr std::uint32_t max_buffers = 8;
 
-/// A whole program text. `files[n]` is what source number n of its #line directives (and of a log) means.
+/// A whole program text, and where each of its lines comes from. No #line directives: compilers treat source
+/// numbers in different ways (Mesa 22 drops them from half of its messages), line numbers all alike.
 struct Source {
+  struct Origin {
+    std::size_t file; ///< of `files`
+    std::size_t line; ///< from 1
+  };
   std::string text;
+  std::vector<Origin> origins; ///< of each line of `text`
   std::vector<std::string> files;
+  std::set<std::string> names; ///< of a kernel: the tables and buffers that this variant uses
 };
 
-/// The text for the options in `args` (an Args of this kernel). Throws Error(internal) for a missing file or a
-/// declaration that GLSL cannot express.
+/// The text for the options in `args` (an Args of this kernel). Throws Error(internal) for a missing file or
+/// a declaration that GLSL cannot express.
 Source expand_kernel(const KernelInfo& kernel, const void* args, const Texts& texts);
 
-/// Appends file `name` with its includes expanded, for texts that are no kernels (the renderer's).
+/// Appends file `name` with its includes expanded, each once; for texts that are no kernels too (the
+/// renderer's, which begin with their own #version).
 void append_file(Source& source, const std::string& name, const Texts& texts);
 
-/// A compiler's log with source numbers replaced by file names: "predict.comp:12(5): error: …".
+/// A compiler's log with places in the text replaced by files: "predict.comp:12(5): error: …".
 std::string readable_log(const std::string& log, const Source& source);
 
 /// "predict[bdf2=0]".

@@ -13,8 +13,12 @@ namespace pliant {
 
 namespace {
 
-bool is_buffer(const Field& field) { return field.role >= Role::table; }
-bool is_output(const Field& field) { return field.role == Role::out || field.role == Role::inout; }
+bool is_buffer(const Field& field) {
+  return field.role >= Role::table;
+}
+bool is_output(const Field& field) {
+  return field.role == Role::out || field.role == Role::inout;
+}
 
 class ReplayDevice final : public Device {
 public:
@@ -34,7 +38,8 @@ public:
     device_->read(buffer, first, bytes);
   }
   void copy(const BufferStorage* from, BufferStorage* to) override { device_->copy(from, to); }
-  std::unique_ptr<Readback> request(const BufferStorage* buffer, std::size_t first, std::size_t bytes) override {
+  std::unique_ptr<Readback> request(const BufferStorage* buffer, std::size_t first,
+                                    std::size_t bytes) override {
     return device_->request(buffer, first, bytes);
   }
   void prepare(const KernelInfo& kernel, const void* args) override {
@@ -79,7 +84,8 @@ private:
   static std::size_t args_bytes(const KernelInfo& kernel) {
     std::size_t end = sizeof(ArgsHeader);
     for (const Field& field : kernel.fields) {
-      const bool small = field.role == Role::option || (field.role == Role::parameter && field.type == Type::uint);
+      const bool small =
+          field.role == Role::option || (field.role == Role::parameter && field.type == Type::uint);
       end = std::max<std::size_t>(end, field.offset + (small ? 4 : 8));
     }
     return end;
@@ -133,9 +139,12 @@ private:
       text.precision(9);
       text << "replay: dispatch " << dispatches_ << ", kernel '" << kernel.name << "', buffer '" << field.name
            << "', element " << i / width;
-      if (width == 4) text << "." << "xyzw"[i % 4];
-      text << ": " << a << " on " << device_->info().backend << ", " << b << " on " << reference_->info().backend
-           << " (" << reference_->info().name << "); allowed difference " << allowed;
+      if (width == 4)
+        text << "."
+             << "xyzw"[i % 4];
+      text << ": " << a << " on " << device_->info().backend << ", " << b << " on "
+           << reference_->info().backend << " (" << reference_->info().name << "); allowed difference "
+           << allowed;
       throw Error(ExitCode::internal, text.str());
     }
   }
@@ -147,7 +156,8 @@ private:
 
 } // namespace
 
-std::unique_ptr<Device> make_replay_device(std::unique_ptr<Device> device, std::unique_ptr<Device> reference) {
+std::unique_ptr<Device> make_replay_device(std::unique_ptr<Device> device,
+                                           std::unique_ptr<Device> reference) {
   return std::make_unique<ReplayDevice>(std::move(device), std::move(reference));
 }
 

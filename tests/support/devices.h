@@ -1,4 +1,5 @@
-// Every device of this machine, for tests that run one body on each. What is absent is printed, once, as skipped.
+// Every device of this machine, for tests that run one body on each. What is absent is printed, once, as
+// skipped.
 #pragma once
 
 #include "backends/openmp/device.h"
@@ -31,7 +32,9 @@ struct DeviceChoice {
   bool gl() const { return backend.rfind("gl", 0) == 0; }
   /// Rounding of one operation on this device.
   double epsilon() const { return precision == Precision::double_precision ? 0x1p-52 : 0x1p-23; }
-  friend std::ostream& operator<<(std::ostream& out, const DeviceChoice& choice) { return out << choice.name; }
+  friend std::ostream& operator<<(std::ostream& out, const DeviceChoice& choice) {
+    return out << choice.name;
+  }
 };
 
 /// openmp in float and in double, and each usable GL device.
@@ -45,14 +48,17 @@ inline const std::vector<DeviceChoice>& device_choices() {
       if (listing.usable)
         found.push_back({"gl_" + index, "gl:" + index, Precision::single_precision});
       else
-        std::printf("[ SKIPPED  ] gl device '%s': %s\n", listing.name.c_str(), listing.missing.c_str());
+        std::fprintf(stderr, "[ SKIPPED  ] gl device '%s': %s\n", listing.name.c_str(),
+                     listing.missing.c_str());
     }
     return found;
   }();
   return choices;
 }
 
-/// For INSTANTIATE_TEST_SUITE_P(…, devices, testing::ValuesIn(device_choices()), choice_name).
-inline std::string choice_name(const auto& info) { return info.param.name; }
+/// For INSTANTIATE_TEST_SUITE_P(…, …, testing::ValuesIn(device_choices()), ChoiceName()).
+struct ChoiceName {
+  template <class Info> std::string operator()(const Info& info) const { return info.param.name; }
+};
 
 } // namespace pliant::test
