@@ -124,6 +124,7 @@ private:
     std::vector<std::vector<Point>> lines; ///< inside the frame
     std::vector<Point> markers;
   };
+  bool is_map() const;
   Axis axis(bool x) const;
   void place_frame(double legend_room);
   void place_curves();
@@ -141,6 +142,11 @@ private:
   std::vector<Curve> curves_;
 };
 
+// Points without lines are a map: a legend among them could be taken for one of them.
+bool Sheet::is_map() const {
+  return std::any_of(plot_.series.begin(), plot_.series.end(), [](const Series& s) { return !s.style.line; });
+}
+
 Axis Sheet::axis(bool x) const {
   double low = 1e308, high = -1e308;
   for (const Series& series : plot_.series)
@@ -152,8 +158,13 @@ Axis Sheet::axis(bool x) const {
       low = std::min(low, value), high = std::max(high, value);
     }
   const double room = x ? plot_.width : plot_.height, share = x ? 12 * sizes_.tick : 6 * sizes_.tick;
-  return {x ? plot_.log_x : plot_.log_y, low, high, x ? plot_.x_range : plot_.y_range,
-          static_cast<int>(room / share)};
+  // The outermost points of a map should not lie on the frame.
+  return {x ? plot_.log_x : plot_.log_y,
+          low,
+          high,
+          x ? plot_.x_range : plot_.y_range,
+          static_cast<int>(room / share),
+          is_map() ? 2.5 * sizes_.marker / room : 0};
 }
 
 Sheet::Sheet(const Plot& plot)
@@ -260,7 +271,8 @@ bool Sheet::find_room_for_legend() {
   const double inset = 1.25 * sizes_.gap;
   const double across = frame_.width() - size.width() - 2 * inset,
                down = frame_.height() - size.height() - 2 * inset;
-  if (across < 0 || down < 0 || size.width() * size.height() > 0.3 * frame_.width() * frame_.height())
+  if (is_map() || across < 0 || down < 0 ||
+      size.width() * size.height() > 0.3 * frame_.width() * frame_.height())
     return false;
   // Corners first, then along the edges; the middle would look lost.
   std::vector<Point> places = {{1, 0}, {0, 0}, {1, 1}, {0, 1}};

@@ -25,7 +25,7 @@ double power(int exponent) {
 } // namespace
 
 Axis::Axis(bool logarithmic, double low, double high, const std::optional<std::array<double, 2>>& range,
-           int wanted)
+           int wanted, double room)
     : logarithmic_(logarithmic), low_(low), high_(high) {
   const bool fixed = range && (*range)[0] < (*range)[1] && (!logarithmic || (*range)[0] > 0);
   if (fixed) low_ = (*range)[0], high_ = (*range)[1];
@@ -34,6 +34,11 @@ Axis::Axis(bool logarithmic, double low, double high, const std::optional<std::a
     choose_log(fixed, std::max(wanted, 2));
   else
     choose_linear(fixed, std::max(wanted, 2));
+  if (fixed || room <= 0) return;
+  const double share = room / (1 - 2 * room);
+  const double beyond = logarithmic ? std::pow(high_ / low_, share) : (high_ - low_) * share;
+  low_ = logarithmic ? low_ / beyond : low_ - beyond;
+  high_ = logarithmic ? high_ * beyond : high_ + beyond;
 }
 
 void Axis::choose_linear(bool fixed, int wanted) {
@@ -50,24 +55,28 @@ void Axis::choose_linear(bool fixed, int wanted) {
   if (!fixed) low_ = std::floor(low_ / step + 1e-9) * step, high_ = std::ceil(high_ / step - 1e-9) * step;
 
   const int exponent = static_cast<int>(std::floor(std::log10(step) + 1e-9));
-  const double most = std::max(std::abs(low_), std::abs(high_));
-  const bool wide = most >= 1e5 || most < 1e-2;
   const int parts = lead == 2 ? 4 : 5;
   const double minor = step / parts;
   const auto first = static_cast<long long>(std::ceil(low_ / minor - 1e-6));
   const auto last = static_cast<long long>(std::floor(high_ / minor + 1e-6));
+  // Written out or with an exponent, whichever is shorter for the longest label.
+  std::array<std::size_t, 2> longest = {0, 0};
+  std::vector<std::array<std::string, 2>> labels;
   for (long long i = first; i <= last; ++i) {
-    if (i % parts != 0) {
-      ticks_.push_back({static_cast<double>(i) * minor, ""});
-      continue;
-    }
+    ticks_.push_back({static_cast<double>(i) * minor, ""});
+    labels.emplace_back();
+    if (i % parts != 0) continue;
     const double value = static_cast<double>(i / parts) * step;
     const int digits =
-        value == 0 || !wide ? 0 : static_cast<int>(std::floor(std::log10(std::abs(value)) + 1e-9)) - exponent;
-    ticks_.push_back({value, value == 0 ? "0"
-                             : wide     ? scientific(value, std::max(digits, 0))
-                                        : fmt::format("{:.{}f}", value, std::max(-exponent, 0))});
+        value == 0 ? 0 : static_cast<int>(std::floor(std::log10(std::abs(value)) + 1e-9)) - exponent;
+    ticks_.back().value = value;
+    labels.back() = {fmt::format("{:.{}f}", value, std::max(-exponent, 0)),
+                     scientific(value, std::max(digits, 0))};
+    if (value == 0) labels.back() = {"0", "0"};
+    for (int form : {0, 1}) longest[form] = std::max(longest[form], labels.back()[form].size());
   }
+  const int form = longest[0] > longest[1] + 1;
+  for (std::size_t i = 0; i < ticks_.size(); ++i) ticks_[i].label = labels[i][form];
 }
 
 void Axis::choose_log(bool fixed, int wanted) {

@@ -16,8 +16,9 @@ struct Tick {
 class Axis {
 public:
   /// Chooses range and ticks: about `wanted` labelled ones. `low` > `high` means that there are no data.
+  /// `room` is the share of the axis left free beyond each end of a range that was not given.
   Axis(bool logarithmic, double low, double high, const std::optional<std::array<double, 2>>& range,
-       int wanted);
+       int wanted, double room);
   const std::vector<Tick>& ticks() const { return ticks_; }
   /// 0 at the lower end of the range, 1 at the upper.
   double place(double value) const;
