@@ -63,7 +63,7 @@ struct BodyModel {
   bool self_contact = true;
 };
 
-/// A particle held or moved: prescribed while the motion lasts.
+/// A particle held or moved: prescribed while the motion lasts. At most one a particle: later conditions win.
 struct Held {
   std::uint32_t particle = 0;
   std::uint32_t motion = 0;            ///< index into Model::motions
@@ -76,7 +76,7 @@ struct Load {
 };
 
 struct WeightReport {
-  double worst_residual = 0;           ///< of the moment conditions
+  double worst_residual = 0;           ///< of the moment conditions, relative to the target's norm
   double share_over_5_percent = 0;     ///< of particles
   std::size_t signatures = 0;          ///< distinct neighbourhoods solved
 };
@@ -102,10 +102,12 @@ struct Model {
 };
 
 /// Builds the particles of a scene. Throws Error(usage): a mesh that will not do, a body with too few particles for
-/// its horizon, bodies that overlap (unless allowed), a region that selects no particle.
+/// its horizon, bodies that overlap (unless allowed), a region that selects no particle, materials of different laws
+/// in one body. Regions and conditions select by the rest position, before `deform` and `start`.
 Model assemble(const Scene& scene);
 
 /// For tests and library users: one body of given points (body axes = world axes), one material, no conditions.
+/// Positions are the snapped ones, so that the body is at rest. Throws Error(usage) for points that coincide.
 Model assemble_points(const std::vector<Vector3>& points, double spacing, double horizon_in_spacings,
                       const Material& material, double volume_each, const std::string& weights = "matched",
                       double weight_exponent = -0.7);
