@@ -129,7 +129,8 @@ TEST(Weights, DegenerateNeighbourhoodsGetTheLeastMiss) {
   EXPECT_NEAR(row.weight_report.worst_residual, std::sqrt(2.0), 1e-12); // |xx - I/3| / |I/3|
   expect_proper(row);
   EXPECT_NEAR(row.bonds.weight[1], 0.5, 1e-12);
-  // A sheet: isotropic in its plane is the best it can be; the slack of the least squares bounds the accuracy.
+  // A sheet: isotropic in its plane is the best it can be; the slack of the least squares bounds the
+  // accuracy.
   const Model sheet = assemble_points(block(5, 5, 1, 1), 1, 1.87, material("corotated", 1, 0.3), 1);
   expect_proper(sheet);
   const Matrix3 centre = second_moment(sheet, 12);
