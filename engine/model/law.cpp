@@ -21,6 +21,11 @@ LawConstants law_constants(Law law, double young, double poisson, double split) 
     if (!(split >= 0 && split <= 1))
       throw Error(ExitCode::usage,
                   fmt::format("the split of the projective law lies in 0 to 1, not at {}", split));
+    if (std::abs(poisson - 0.25) > 1e-12)
+      throw Error(ExitCode::usage,
+                  fmt::format("the projective law has Poisson's ratio 0.25 whatever its constants, "
+                              "not {}; set 0.25 or choose another law",
+                              poisson));
     constants.modulus = 6 * young;
     constants.coupling = split;
     return constants;

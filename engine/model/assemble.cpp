@@ -1,0 +1,265 @@
+// A scene's bodies as particles: sampled, bonded, given materials, conditions and an initial state.
+#include "engine/core/error.h"
+#include "engine/model/arrange.h"
+#include "engine/model/checks.h"
+#include "engine/model/initial_state.h"
+
+#include <Eigen/Geometry>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace pliant {
+
+namespace {
+
+/// Searching for a spacing that would do stops at bodies of this many particles.
+constexpr double largest_trial = 3e5;
+
+const char* kind_name(Condition::Kind kind) {
+  switch (kind) {
+  case Condition::Kind::fixed:
+    return "fixed";
+  case Condition::Kind::moved:
+    return "moved";
+  case Condition::Kind::loaded:
+    return "loaded";
+  }
+  return "unknown";
+}
+
+/// Runs `work`; what it throws gets the place in front.
+template <class Work> auto located(const std::string& place, const Work& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    throw Error(error.code(), fmt::format("{}: {}", place, error.what()));
+  }
+}
+
+std::uint32_t material_index(const Scene& scene, const std::string& name, const std::string& place) {
+  for (std::size_t m = 0; m < scene.materials.size(); ++m)
+    if (scene.materials[m].name == name) return static_cast<std::uint32_t>(m);
+  throw Error(ExitCode::usage, fmt::format("{}: there is no material '{}'", place, name));
+}
+
+/// Builds one body of the scene and appends it to the model.
+class BodyBuilder {
+public:
+  BodyBuilder(const Scene& scene, std::uint32_t index, Model& model)
+      : scene_(scene), body_(scene.bodies[index]), index_(index), model_(model),
+        place_(place_of(scene, index)) {
+    base_material_ = material_index(scene, body_.material, place_);
+    law_ = law_from_name(scene.materials[base_material_].law);
+    for (const MaterialRegion& region : body_.regions) {
+      const Law other = law_from_name(scene.materials[material_index(scene, region.material, place_)].law);
+      if (other != law_)
+        throw Error(
+            ExitCode::usage,
+            fmt::format("{}: material '{}' has law {} and '{}' has law {}; a body's materials must share one",
+                        place_, body_.material, law_name(law_), region.material, law_name(other)));
+    }
+  }
+
+  Law law() const { return law_; }
+
+  void build() {
+    const Sampling sampling =
+        located(place_, [&] { return sample(body_.shape, scene_.simulation.spacing, folder()); });
+    for (const std::string& warning : sampling.warnings) model_.warnings.push_back(place_ + ": " + warning);
+    place(sampling);
+    check_sparse(sampling);
+    set_materials(sampling);
+    const WeightReport report = located(place_, [&] {
+      return compute_weights(particles_.arrangement.bonds, particles_.arrangement.reference, model_.spacing,
+                             law_, scene_.simulation.weights, scene_.simulation.weight_exponent);
+    });
+    merge(model_.weight_report, report, model_.count(), particles_.position.size());
+    apply_conditions();
+    located(place_, [&] { set_initial_state(body_, particles_); });
+    describe(sampling);
+    located(place_, [&] { append(model_, index_, law_, std::move(particles_)); });
+  }
+
+private:
+  static std::string place_of(const Scene& scene, std::uint32_t index) {
+    return fmt::format("{}: body '{}'", scene.file.string(), scene.bodies[index].name);
+  }
+
+  std::filesystem::path folder() const { return scene_.file.parent_path(); }
+
+  void place(const Sampling& sampling) {
+    particles_.arrangement =
+        located(place_, [&] { return arrange(sampling.reference, model_.spacing, model_.horizon); });
+    particles_.position.reserve(sampling.reference.size());
+    for (const Vector3& r : particles_.arrangement.reference)
+      particles_.position.push_back(sampling.origin + sampling.axes * r);
+    for (const Vector3& p : particles_.position) box_.extend(p);
+  }
+
+  void check_sparse(const Sampling& sampling) {
+    const std::optional<std::string> found = sparseness(particles_.arrangement.bonds);
+    if (!found) return;
+    if (scene_.allow_sparse) {
+      model_.warnings.push_back(fmt::format("{} {}", place_, *found));
+      return;
+    }
+    throw Error(ExitCode::usage,
+                fmt::format("{} {} at a spacing of {:.4g} m and a horizon of {:.4g} spacings; {}, or "
+                            "allow \"sparse\"",
+                            place_, *found, model_.spacing, scene_.simulation.horizon,
+                            advise_spacing(sampling.volume)));
+  }
+
+  /// Tries smaller spacings on the body itself, since what is thin is not known beforehand.
+  std::string advise_spacing(double volume) const {
+    double spacing = model_.spacing;
+    while (true) {
+      spacing *= 0.75;
+      const double scale = std::pow(10, std::floor(std::log10(spacing)) - 1);
+      const double rounded = std::floor(spacing / scale) * scale; // two digits, downwards
+      if (volume / (rounded * rounded * rounded) > largest_trial)
+        return fmt::format("no spacing down to {:.2g} m would do either: the shape is too thin", rounded);
+      const Sampling trial = sample(body_.shape, rounded, folder());
+      const Arrangement body = arrange(trial.reference, rounded, scene_.simulation.horizon * rounded);
+      if (!sparseness(body.bonds)) return fmt::format("a spacing of {:.2g} m would do", rounded);
+    }
+  }
+
+  /// The body's particles in a region, by rest position. Throws Error(usage) where there are none.
+  std::vector<std::uint32_t> select(const Shape& region, const std::string& what) const {
+    const ShapeQuery query = located(place_ + ": " + what, [&] { return ShapeQuery(region, folder()); });
+    const std::size_t count = particles_.position.size();
+    std::vector<std::uint8_t> inside(count);
+#pragma omp parallel for schedule(dynamic, 256)
+    for (std::size_t i = 0; i < count; ++i) inside[i] = query.contains(particles_.position[i]);
+    std::vector<std::uint32_t> selected;
+    for (std::uint32_t i = 0; i < count; ++i)
+      if (inside[i]) selected.push_back(i);
+    if (selected.empty())
+      throw Error(
+          ExitCode::usage,
+          fmt::format("{}: {} selects no particle; the body's particles lie between ({:.4g}, {:.4g}, {:.4g}) "
+                      "and ({:.4g}, {:.4g}, {:.4g}) m",
+                      place_, what, box_.min().x(), box_.min().y(), box_.min().z(), box_.max().x(),
+                      box_.max().y(), box_.max().z()));
+    return selected;
+  }
+
+  void set_materials(const Sampling& sampling) {
+    const std::size_t count = particles_.position.size();
+    particles_.material.assign(count, base_material_);
+    for (std::size_t r = 0; r < body_.regions.size(); ++r) {
+      const std::string what = fmt::format("region {} (material '{}')", r + 1, body_.regions[r].material);
+      const std::uint32_t material = material_index(scene_, body_.regions[r].material, place_);
+      for (const std::uint32_t i : select(body_.regions[r].region, what)) particles_.material[i] = material;
+    }
+    particles_.volume.assign(count, sampling.volume / static_cast<double>(count));
+    particles_.mass.resize(count);
+    for (std::size_t i = 0; i < count; ++i)
+      particles_.mass[i] = scene_.materials[particles_.material[i]].density * particles_.volume[i];
+  }
+
+  void apply_conditions() {
+    constexpr std::uint32_t free = UINT32_MAX;
+    const auto first = static_cast<std::uint32_t>(model_.count());
+    std::vector<std::uint32_t> motion(particles_.position.size(), free);
+    for (std::size_t c = 0; c < body_.conditions.size(); ++c) {
+      const Condition& condition = body_.conditions[c];
+      const std::string what = fmt::format("condition {} ({})", c + 1, kind_name(condition.kind));
+      const std::vector<std::uint32_t> selected = select(condition.region, what);
+      if (condition.kind == Condition::Kind::loaded) {
+        double mass = 0;
+        for (const std::uint32_t i : selected) mass += particles_.mass[i];
+        for (const std::uint32_t i : selected)
+          model_.loads.push_back(
+              {first + i, condition.force * (particles_.mass[i] / mass), condition.start, condition.end});
+        continue;
+      }
+      std::size_t taken = 0;
+      for (const std::uint32_t i : selected) {
+        taken += motion[i] != free;
+        motion[i] = static_cast<std::uint32_t>(model_.motions.size());
+      }
+      if (taken > 0)
+        model_.warnings.push_back(
+            fmt::format("{}: {} takes {} particles from an earlier condition; the later one "
+                        "holds them",
+                        place_, what, taken));
+      model_.motions.push_back(condition.kind == Condition::Kind::moved ? condition.motion : Motion{});
+    }
+    for (std::uint32_t i = 0; i < motion.size(); ++i)
+      if (motion[i] != free) model_.held.push_back({first + i, motion[i]});
+  }
+
+  void describe(const Sampling& sampling) {
+    BodyModel& described = model_.bodies[index_];
+    described.name = body_.name;
+    described.origin = sampling.origin;
+    described.axes = sampling.axes;
+    described.color = body_.color.value_or(scene_.materials[base_material_].color);
+    described.self_contact = body_.self_contact;
+    described.surface = sampling.surface;
+    if (!sampling.surface) return;
+    described.surface_reference.reserve(sampling.surface->vertices.size());
+    for (const Vector3& v : sampling.surface->vertices)
+      described.surface_reference.push_back(sampling.axes.transpose() * (v - sampling.origin));
+  }
+
+  const Scene& scene_;
+  const Body& body_;
+  std::uint32_t index_;
+  Model& model_;
+  std::string place_; ///< how errors name the body
+  std::uint32_t base_material_ = 0;
+  Law law_ = Law::corotated;
+  BodyParticles particles_;
+  Eigen::AlignedBox3d box_; ///< of the rest positions
+};
+
+/// Turns ids that count from 0 in each body into ids that count through the scene.
+void number_through(Model& model) {
+  std::uint32_t next = 0;
+  for (const BodyModel& body : model.bodies) {
+    for (std::uint32_t i = body.first; i < body.first + body.count; ++i) model.id[i] += next;
+    next += body.count;
+  }
+}
+
+} // namespace
+
+Model assemble(const Scene& scene) {
+  Model model;
+  model.spacing = scene.simulation.spacing;
+  model.horizon = scene.simulation.horizon * scene.simulation.spacing;
+  model.bonds.begin.push_back(0);
+  for (const Material& material : scene.materials)
+    model.constants.push_back(
+        located(fmt::format("{}: material '{}'", scene.file.string(), material.name), [&] {
+          if (!(material.density > 0) || !std::isfinite(material.density))
+            throw Error(ExitCode::usage,
+                        fmt::format("the density must be positive, not {} kg/m3", material.density));
+          return law_constants(law_from_name(material.law), material.young, material.poisson, material.split);
+        }));
+  model.bodies.resize(scene.bodies.size());
+  std::vector<BodyBuilder> builders;
+  builders.reserve(scene.bodies.size());
+  for (std::uint32_t b = 0; b < scene.bodies.size(); ++b) builders.emplace_back(scene, b, model);
+  std::vector<std::uint32_t> order(scene.bodies.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return builders[a].law() < builders[b].law(); });
+  for (const std::uint32_t b : order) builders[b].build();
+  number_through(model);
+  if (const std::optional<std::string> crossing = overlap(model)) {
+    if (!scene.allow_overlap)
+      throw Error(ExitCode::usage, fmt::format("{}: {}; move them apart, or allow \"overlap\"",
+                                               scene.file.string(), *crossing));
+    model.warnings.push_back(fmt::format("{}: {}", scene.file.string(), *crossing));
+  }
+  return model;
+}
+
+} // namespace pliant

@@ -1,0 +1,18 @@
+// What a scene's bodies must satisfy before they are simulated.
+#pragma once
+
+#include "engine/model/arrange.h"
+
+#include <optional>
+
+namespace pliant {
+
+/// Why a body has too few particles for its horizon, as the end of a sentence; nothing where it has enough:
+/// at least 8, of which at most a tenth have fewer than 4 neighbours.
+std::optional<std::string> sparseness(const Bonds& bonds);
+
+/// Bodies whose particles come closer than half a spacing at t = 0, as a sentence that names the deepest
+/// pair; nothing where none do.
+std::optional<std::string> overlap(const Model& model);
+
+} // namespace pliant
