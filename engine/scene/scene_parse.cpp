@@ -131,9 +131,9 @@ private:
       return std::nullopt;
     }
     const double size = std::abs(number);
-    if (size > schema::largest || (number != 0 && size < 1 / schema::largest)) {
+    if (size > schema::largest || (number != 0 && size < schema::smallest)) {
       findings_.add(value.where, fmt::format("{} = {} does not fit single precision; stay between {} and {}",
-                                             path, number, 1 / schema::largest, schema::largest));
+                                             path, number, schema::smallest, schema::largest));
       return std::nullopt;
     }
     if (number < range.low || number > range.high || (range.above && number <= range.low) ||

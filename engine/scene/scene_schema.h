@@ -36,6 +36,8 @@ using Slot = std::variant<bool*, std::optional<bool>*, int*, unsigned*, double*,
 
 /// Larger numbers do not fit the single precision of the kernels.
 constexpr double largest = 1e30;
+/// Nor do smaller ones, but for zero.
+constexpr double smallest = 1e-30;
 /// A time from here on means "never".
 constexpr double never = 1e300;
 

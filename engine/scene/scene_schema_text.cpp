@@ -33,7 +33,7 @@ struct TypeNames {
 
 /// The default as TOML (which agrees with JSON here), or empty.
 std::string default_text(const Key& key, const Table& table) {
-  if (key.nested.table || key.required) return "";
+  if (key.nested.table || !key.example.empty()) return "";
   const nlohmann::json value = schema::value_json(key, table.defaults.get());
   return value.is_null() || (value.is_string() && value.get<std::string>().empty()) ? "" : value.dump();
 }
@@ -123,9 +123,9 @@ ordered_json key_schema(const Key& key, const Table& table) {
   }
   result["description"] =
       key.unit.empty() ? std::string(key.meaning) : fmt::format("{} ({})", key.meaning, key.unit);
-  if (!key.nested.table && !key.required)
+  if (!key.nested.table && key.example.empty())
     if (const auto value = schema::value_json(key, table.defaults.get()); !value.is_null())
-      if (&table != &schema::shape_table()) result["default"] = ordered_json::parse(value.dump());
+      result["default"] = ordered_json::parse(value.dump());
   return result;
 }
 
