@@ -46,7 +46,7 @@ public:
   /// Generalised winding number (Jacobson et al. 2013; tree of dipoles after Barill et al. 2018): 1 inside, 0
   /// outside. Nodes further away than `beta` of their radii count as dipoles: 2 keeps the error near 1e-3,
   /// more is exacter.
-  double winding_number(const Vector3& point, double beta = 3) const;
+  double winding_number(const Vector3& point, double beta = 4) const;
   /// Distance to the surface, m, unsigned; and the nearest point.
   double distance(const Vector3& point, Vector3* nearest = nullptr) const;
 
