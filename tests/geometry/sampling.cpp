@@ -327,7 +327,7 @@ TEST(SampleMesh, ArmadilloIsQuick) {
   if (file.empty()) GTEST_SKIP() << "armadillo.off is not in the cache";
   Shape shape = mesh_shape(file.string());
   shape.fit = 1;
-  const double h = 0.0155;
+  const double h = 0.0133;
   const auto begin = std::chrono::steady_clock::now();
   const Sampling sampling = sample(shape, h, "");
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
