@@ -83,7 +83,7 @@ std::vector<std::uint8_t> fill(const PlacedShape& placed, const MeshQuery* query
         if (!query)
           latest = analytic_distance(placed.shape, lattice.at(i, j, k)) <= slack;
         else if (i == 0 || mine)
-          latest = query->winding_number(lattice.at(i, j, k)) > 0.5;
+          latest = query->winding_number(lattice.at(i, j, k), sign_beta) > 0.5;
         mine = latest;
       }
     }

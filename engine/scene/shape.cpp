@@ -176,7 +176,7 @@ ShapeQuery::~ShapeQuery() = default;
 ShapeQuery::ShapeQuery(ShapeQuery&&) noexcept = default;
 
 bool ShapeQuery::contains(const Vector3& point) const {
-  if (impl_->mesh) return impl_->mesh->winding_number(impl_->placed.to_own(point)) > 0.5;
+  if (impl_->mesh) return impl_->mesh->winding_number(impl_->placed.to_own(point), sign_beta) > 0.5;
   return signed_distance(point) <= 0;
 }
 
@@ -186,7 +186,7 @@ double ShapeQuery::signed_distance(const Vector3& point) const {
   const Vector3 own = impl_->placed.to_own(point);
   if (!impl_->mesh) return analytic_distance(shape, own);
   const double distance = impl_->mesh->distance(own);
-  return impl_->mesh->winding_number(own) > 0.5 ? -distance : distance;
+  return impl_->mesh->winding_number(own, sign_beta) > 0.5 ? -distance : distance;
 }
 
 const Mesh& ShapeQuery::surface() const {

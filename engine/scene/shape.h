@@ -10,6 +10,9 @@
 
 namespace pliant {
 
+/// Accuracy of winding numbers that are only compared with 1/2: off by less than 1e-2.
+constexpr double sign_beta = 2;
+
 struct PlacedShape {
   Shape shape;
   Vector3 centre = Vector3::Zero();   ///< m, world

@@ -12,7 +12,7 @@
 namespace pliant {
 namespace {
 
-constexpr std::uint32_t leaf_size = 8; // triangles; more make the tree smaller and near queries slower
+constexpr std::uint32_t leaf_size = 4; // triangles; more make the tree smaller and near queries slower
 
 struct Builder {
   TriangleTree& tree;
