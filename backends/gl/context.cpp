@@ -72,7 +72,9 @@ std::unique_ptr<Context> Context::from_current(GetProcAddress get_proc_address) 
   return std::make_unique<HostContext>(get_proc_address);
 }
 
-bool Context::software() const { return software_renderer(renderer_); }
+bool Context::software() const {
+  return software_renderer(renderer_);
+}
 
 bool Context::load_functions(std::string& reason) {
   const auto load = [](void* self, const char* name) {
@@ -121,7 +123,8 @@ void ThreadState::unbind() const {
 void ThreadState::bind() const {
   if (egl_context) Egl::load()->make_current(egl_display, egl_draw, egl_read, egl_context);
   if (osmesa_context)
-    OsMesa::load()->make_current(osmesa_context, osmesa_pixels, OsMesa::unsigned_byte, osmesa_width, osmesa_height);
+    OsMesa::load()->make_current(osmesa_context, osmesa_pixels, OsMesa::unsigned_byte, osmesa_width,
+                                 osmesa_height);
 }
 
 Current::Current(Context& context, Restore restore) {

@@ -5,9 +5,9 @@
 //   Current                   makes a context current for a scope and puts the thread back as it was
 //   HostState                 keeps a host's bindings over a scope, in a wrapped context
 //
-// The environment variable PLIANT_GL_CONTEXT = egl, surfaceless or osmesa forces one kind. Functions are held by
-// context, since two implementations (libEGL's and libOSMesa's) may live in one process. A context may be used
-// by one thread at a time.
+// The environment variable PLIANT_GL_CONTEXT = egl, surfaceless or osmesa forces one kind. Functions are held
+// by context, since two implementations (libEGL's and libOSMesa's) may live in one process. A context may be
+// used by one thread at a time.
 #pragma once
 
 #include "engine/device/device.h"
@@ -29,8 +29,8 @@ public:
   static std::unique_ptr<Context> open(int index);
   /// A context in main memory. Throws Error(no_device) where libOSMesa is missing.
   static std::unique_ptr<Context> open_osmesa();
-  /// The context that is current on this thread and belongs to the host, who keeps it current whenever Pliant is
-  /// called and alive as long as this object. Throws Error(no_device) below OpenGL 4.3.
+  /// The context that is current on this thread and belongs to the host, who keeps it current whenever Pliant
+  /// is called and alive as long as this object. Throws Error(no_device) below OpenGL 4.3.
   static std::unique_ptr<Context> from_current(GetProcAddress get_proc_address);
 
   Context(const Context&) = delete;
@@ -73,8 +73,9 @@ struct ThreadState {
   void bind() const;   ///< makes it current again
 };
 
-/// Makes a context current for a scope. The destructor restores what was current before; with Restore::foreign
-/// only a context that is not one of ours, so that a loop of device calls does not switch at each.
+/// Makes a context current for a scope. The destructor restores what was current before; with
+/// Restore::foreign only a context that is not one of ours, so that a loop of device calls does not switch at
+/// each.
 class Current {
 public:
   enum class Restore { always, foreign };
@@ -88,8 +89,8 @@ private:
   bool switched_ = false;
 };
 
-/// Keeps the bindings that compute work touches (program, uniform and storage slots, copy buffers) over a scope.
-/// Does nothing in a context of our own.
+/// Keeps the bindings that compute work touches (program, uniform and storage slots, copy buffers) over a
+/// scope. Does nothing in a context of our own.
 class HostState {
 public:
   explicit HostState(const Context& context);

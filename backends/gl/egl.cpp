@@ -47,9 +47,10 @@ const Egl* Egl::load() {
     if (!library) return nullptr;
     static Egl egl;
     const bool whole =
-        find(library, "eglGetProcAddress", egl.get_proc_address) && find(library, "eglQueryString", egl.query_string) &&
-        find(library, "eglInitialize", egl.initialize) && find(library, "eglBindAPI", egl.bind_api) &&
-        find(library, "eglQueryAPI", egl.query_api) && find(library, "eglChooseConfig", egl.choose_config) &&
+        find(library, "eglGetProcAddress", egl.get_proc_address) &&
+        find(library, "eglQueryString", egl.query_string) && find(library, "eglInitialize", egl.initialize) &&
+        find(library, "eglBindAPI", egl.bind_api) && find(library, "eglQueryAPI", egl.query_api) &&
+        find(library, "eglChooseConfig", egl.choose_config) &&
         find(library, "eglCreateContext", egl.create_context) &&
         find(library, "eglDestroyContext", egl.destroy_context) &&
         find(library, "eglCreatePbufferSurface", egl.create_pbuffer) &&
@@ -57,7 +58,8 @@ const Egl* Egl::load() {
         find(library, "eglMakeCurrent", egl.make_current) &&
         find(library, "eglGetCurrentContext", egl.current_context) &&
         find(library, "eglGetCurrentDisplay", egl.current_display) &&
-        find(library, "eglGetCurrentSurface", egl.current_surface) && find(library, "eglGetError", egl.get_error);
+        find(library, "eglGetCurrentSurface", egl.current_surface) &&
+        find(library, "eglGetError", egl.get_error);
     if (!whole) return nullptr;
     const char* client = egl.query_string(nullptr, Egl::extensions);
     if (has_extension(client, "EGL_EXT_platform_base"))
@@ -87,6 +89,8 @@ const OsMesa* OsMesa::load() {
   return result;
 }
 
-const OsMesa* OsMesa::loaded() { return loaded_osmesa; }
+const OsMesa* OsMesa::loaded() {
+  return loaded_osmesa;
+}
 
 } // namespace pliant::gl

@@ -23,7 +23,8 @@ struct Egl {
   Boolean (*initialize)(void* display, Int* major, Int* minor) = nullptr;
   Boolean (*bind_api)(unsigned api) = nullptr;
   unsigned (*query_api)() = nullptr;
-  Boolean (*choose_config)(void* display, const Int* attributes, void** configs, Int size, Int* count) = nullptr;
+  Boolean (*choose_config)(void* display, const Int* attributes, void** configs, Int size,
+                           Int* count) = nullptr;
   void* (*create_context)(void* display, void* config, void* share, const Int* attributes) = nullptr;
   Boolean (*destroy_context)(void* display, void* context) = nullptr;
   void* (*create_pbuffer)(void* display, void* config, const Int* attributes) = nullptr;
@@ -33,8 +34,9 @@ struct Egl {
   void* (*current_display)() = nullptr;
   void* (*current_surface)(Int which) = nullptr;
   Int (*get_error)() = nullptr;
-  void* (*get_platform_display)(unsigned platform, void* native, const Int* attributes) = nullptr; // may be null
-  Boolean (*query_devices)(Int size, void** devices, Int* count) = nullptr;                        // may be null
+  void* (*get_platform_display)(unsigned platform, void* native,
+                                const Int* attributes) = nullptr;           // may be null
+  Boolean (*query_devices)(Int size, void** devices, Int* count) = nullptr; // may be null
 
   /// Null where the library is missing. Loaded once, kept for the life of the process.
   static const Egl* load();

@@ -15,7 +15,8 @@ namespace pliant::gl {
 
 namespace {
 
-constexpr const char* advice = "install libegl1 and libgl1-mesa-dri (Debian), or the EGL library of the GPU's maker";
+constexpr const char* advice =
+    "install libegl1 and libgl1-mesa-dri (Debian), or the EGL library of the GPU's maker";
 
 class EglContext final : public Context {
 public:
@@ -71,7 +72,7 @@ private:
       if (!egl_.choose_config(display_, wanted, &config, 1, &count) || count < 1)
         return "EGL has no configuration for OpenGL";
     }
-    const Egl::Int attributes[] = {Egl::context_major, 4, Egl::context_minor, 3, Egl::profile_mask,
+    const Egl::Int attributes[] = {Egl::context_major,    4,        Egl::context_minor, 3, Egl::profile_mask,
                                    Egl::core_profile_bit, Egl::none};
     context_ = egl_.create_context(display_, config, nullptr, attributes);
     if (!context_) return "the driver gives no OpenGL 4.3 core context (" + error() + ")";
@@ -190,7 +191,8 @@ void add_display(std::vector<Candidate>& candidates, const char* kind, unsigned 
 }
 
 bool any_usable(const std::vector<Candidate>& candidates) {
-  return std::any_of(candidates.begin(), candidates.end(), [](const Candidate& c) { return c.listing.usable; });
+  return std::any_of(candidates.begin(), candidates.end(),
+                     [](const Candidate& c) { return c.listing.usable; });
 }
 
 std::vector<Candidate> find_candidates(const std::string& forced) {
@@ -223,7 +225,8 @@ const std::vector<Candidate>& candidates() {
   const char* environment = std::getenv("PLIANT_GL_CONTEXT");
   const std::string forced = environment ? environment : "";
   if (!forced.empty() && forced != "egl" && forced != "surfaceless" && forced != "osmesa")
-    throw Error(ExitCode::usage, "PLIANT_GL_CONTEXT is '" + forced + "'; it may be egl, surfaceless or osmesa");
+    throw Error(ExitCode::usage,
+                "PLIANT_GL_CONTEXT is '" + forced + "'; it may be egl, surfaceless or osmesa");
   static std::mutex mutex;
   static std::map<std::string, std::vector<Candidate>> found;
   const std::lock_guard lock(mutex);
@@ -234,7 +237,9 @@ const std::vector<Candidate>& candidates() {
 
 } // namespace
 
-std::unique_ptr<Context> Context::open_osmesa() { return std::make_unique<OsMesaContext>(); }
+std::unique_ptr<Context> Context::open_osmesa() {
+  return std::make_unique<OsMesaContext>();
+}
 
 std::unique_ptr<Context> Context::open(int index) {
   const std::vector<Candidate>& all = candidates();
@@ -246,8 +251,9 @@ std::unique_ptr<Context> Context::open(int index) {
     throw Error(ExitCode::no_device, "no OpenGL 4.3 device was found" + reasons + "; " + advice);
   }
   if (index < 0 || index >= usable)
-    throw Error(ExitCode::no_device, "there is no GL device " + std::to_string(index) + "; this machine has " +
-                                         std::to_string(usable) + ", numbered from 0 (see pliant doctor)");
+    throw Error(ExitCode::no_device, "there is no GL device " + std::to_string(index) +
+                                         "; this machine has " + std::to_string(usable) +
+                                         ", numbered from 0 (see pliant doctor)");
   const Candidate& chosen = all[index];
   if (chosen.kind == "osmesa") return open_osmesa();
   return std::make_unique<EglContext>(chosen.display, chosen.kind.c_str());

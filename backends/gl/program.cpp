@@ -40,7 +40,8 @@ std::string cache_path(const Context& context, const Program::Stages& stages) {
   GLint formats = 0;
   context.gl().GetIntegerv(GL_NUM_PROGRAM_BINARY_FORMATS, &formats);
   if (folder.empty() || formats < 1) return {};
-  std::string key = context.vendor() + '\0' + context.renderer() + '\0' + context.version() + '\0' + context.kind();
+  std::string key =
+      context.vendor() + '\0' + context.renderer() + '\0' + context.version() + '\0' + context.kind();
   for (const auto& [stage, source] : stages) key += '\0' + std::to_string(stage) + '\0' + source.text;
   char name[48];
   std::snprintf(name, sizeof name, "%016llx%016llx.bin", static_cast<unsigned long long>(fnv1a(key, basis)),
@@ -48,8 +49,8 @@ std::string cache_path(const Context& context, const Program::Stages& stages) {
   return folder + "/" + name;
 }
 
-std::string log_of(void (*parameter)(GLuint, GLenum, GLint*), void (*text)(GLuint, GLsizei, GLsizei*, GLchar*),
-                   GLuint object) {
+std::string log_of(void (*parameter)(GLuint, GLenum, GLint*),
+                   void (*text)(GLuint, GLsizei, GLsizei*, GLchar*), GLuint object) {
   GLint length = 0;
   parameter(object, GL_INFO_LOG_LENGTH, &length);
   std::string log(static_cast<std::size_t>(length > 0 ? length : 1), '\0');
@@ -184,8 +185,10 @@ void Program::compile(const std::string& what, const Stages& stages) {
 namespace {
 
 [[noreturn]] void disagree(const KernelInfo& kernel, const std::string& what) {
-  throw Error(ExitCode::internal, std::string("kernel '") + kernel.name + "': the driver disagrees with its "
-                                                                          "declaration: " + what);
+  throw Error(ExitCode::internal, std::string("kernel '") + kernel.name +
+                                      "': the driver disagrees with its "
+                                      "declaration: " +
+                                      what);
 }
 
 GLint property(const GladGLContext& gl, GLuint program, GLenum interface, GLuint index, GLenum name) {
@@ -197,47 +200,42 @@ GLint property(const GladGLContext& gl, GLuint program, GLenum interface, GLuint
 } // namespace
 
 KernelProgram::KernelProgram(Context& context, const KernelInfo& kernel, const void* args, const Texts& texts)
-    : program(context, variant_name(kernel, args), {{GL_COMPUTE_SHADER, expand_kernel(kernel, args, texts)}}) {
+    : source_(expand_kernel(kernel, args, texts)),
+      program_(context, variant_name(kernel, args), {{GL_COMPUTE_SHADER, source_}}) {
   const GladGLContext& gl = context.gl();
   const std::string prefix = std::string(kernel.name) + "_";
+  // A name that the driver does not report was optimised away, and there is nothing to check.
   const auto find = [&](GLenum interface, const std::string& block) {
-    return gl.GetProgramResourceIndex(program.name(), interface, block.c_str());
+    return gl.GetProgramResourceIndex(name(), interface, block.c_str());
   };
 
   const GLuint parameters = find(GL_UNIFORM_BLOCK, prefix + "parameters");
   if (parameters != GL_INVALID_INDEX) {
-    const auto bytes = property(gl, program.name(), GL_UNIFORM_BLOCK, parameters, GL_BUFFER_DATA_SIZE);
+    const auto bytes = property(gl, name(), GL_UNIFORM_BLOCK, parameters, GL_BUFFER_DATA_SIZE);
     const auto ours = static_cast<GLint>(parameter_bytes(kernel));
     if (bytes != ours && bytes != (ours + 15) / 16 * 16) // drivers may round a block up to a group of four
       disagree(kernel, "parameters of " + std::to_string(bytes) + " bytes, not " + std::to_string(ours));
-    if (property(gl, program.name(), GL_UNIFORM_BLOCK, parameters, GL_BUFFER_BINDING) !=
+    if (property(gl, name(), GL_UNIFORM_BLOCK, parameters, GL_BUFFER_BINDING) !=
         static_cast<GLint>(parameter_slot))
       disagree(kernel, "the slot of the parameters");
   }
   GLint offset = 4;
   for (const Field& field : kernel.fields) {
-    if (field.role == Role::option) continue;
     if (field.role == Role::parameter) {
       const GLuint member = find(GL_UNIFORM, field.name);
-      if (member != GL_INVALID_INDEX && property(gl, program.name(), GL_UNIFORM, member, GL_OFFSET) != offset)
+      if (member != GL_INVALID_INDEX && property(gl, name(), GL_UNIFORM, member, GL_OFFSET) != offset)
         disagree(kernel, std::string("the place of parameter '") + field.name + "'");
       offset += 4;
-      continue;
     }
+    if (field.role == Role::parameter || field.role == Role::option || !uses(field)) continue;
     const GLenum interface = field.role == Role::table ? GL_UNIFORM_BLOCK : GL_SHADER_STORAGE_BLOCK;
     const GLuint block = find(interface, prefix + field.name + "_block");
     if (block == GL_INVALID_INDEX) continue;
-    if (property(gl, program.name(), interface, block, GL_BUFFER_BINDING) != static_cast<GLint>(field.slot))
+    if (property(gl, name(), interface, block, GL_BUFFER_BINDING) != static_cast<GLint>(field.slot))
       disagree(kernel, std::string("the slot of '") + field.name + "'");
-    const bool used = property(gl, program.name(), interface, block, GL_REFERENCED_BY_COMPUTE_SHADER) == GL_TRUE;
-    if (field.role == Role::table) {
-      const GLint bytes = property(gl, program.name(), interface, block, GL_BUFFER_DATA_SIZE);
-      if (bytes != static_cast<GLint>(16 * field.size))
-        disagree(kernel, std::string("the size of table '") + field.name + "'");
-      if (used) table_bytes[field.slot] = static_cast<std::size_t>(bytes);
-    } else {
-      uses_slot[field.slot] = used;
-    }
+    if (field.role == Role::table &&
+        property(gl, name(), interface, block, GL_BUFFER_DATA_SIZE) != static_cast<GLint>(16 * field.size))
+      disagree(kernel, std::string("the size of table '") + field.name + "'");
   }
 }
 

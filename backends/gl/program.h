@@ -4,7 +4,6 @@
 #include "backends/gl/context.h"
 #include "backends/gl/source.h"
 
-#include <array>
 #include <memory>
 #include <string>
 #include <utility>
@@ -38,16 +37,22 @@ private:
   bool from_cache_ = false;
 };
 
-/// The compute program of one variant of a kernel, and which of its storage slots the shader really uses.
-struct KernelProgram {
+/// The compute program of one variant of a kernel, checked against its declaration.
+class KernelProgram {
+public:
   KernelProgram(Context& context, const KernelInfo& kernel, const void* args, const Texts& texts);
-  Program program;
-  std::array<bool, max_buffers> uses_slot{}; ///< by storage slot
-  std::array<std::size_t, parameter_slot> table_bytes{}; ///< needed in each uniform slot; 0: unused
+  unsigned name() const { return program_.name(); }
+  bool from_cache() const { return program_.from_cache(); }
+  /// Whether this variant uses the table or buffer.
+  bool uses(const Field& field) const { return source_.names.count(field.name) > 0; }
+
+private:
+  Source source_;
+  Program program_;
 };
 
-/// Where program binaries lie: $XDG_CACHE_HOME/pliant/programs, ~/.cache by default. Empty when there is no such
-/// place or PLIANT_PROGRAM_CACHE=off.
+/// Where program binaries lie: $XDG_CACHE_HOME/pliant/programs, ~/.cache by default. Empty when there is no
+/// such place or PLIANT_PROGRAM_CACHE=off.
 std::string program_cache_folder();
 
 } // namespace pliant::gl

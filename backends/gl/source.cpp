@@ -1,6 +1,7 @@
 // Writes the GLSL side of a kernel's declaration and expands its text.
 #include "backends/gl/source.h"
 
+#include "backends/gl/names_used.h"
 #include "backends/gl/shader_text.h"
 #include "engine/core/error.h"
 
@@ -15,10 +16,14 @@ namespace {
 
 const char* type_name(Type type) {
   switch (type) {
-  case Type::real: return "real";
-  case Type::real4: return "real4";
-  case Type::uint: return "uint";
-  case Type::uint4: return "uint4";
+  case Type::real:
+    return "real";
+  case Type::real4:
+    return "real4";
+  case Type::uint:
+    return "uint";
+  case Type::uint4:
+    return "uint4";
   }
   return "";
 }
@@ -33,12 +38,13 @@ std::uint32_t option_value(const Field& field, const void* args) {
   return value;
 }
 
-std::string interface_text(const KernelInfo& kernel, const void* args) {
+std::string interface_text(const KernelInfo& kernel, const void* args, const std::set<std::string>& used) {
   std::ostringstream out;
   out << "#version 430 core\n#define real float\n#define real4 vec4\n#define uint4 uvec4\n#define GROUP "
       << kernel.group_size << "u\nlayout(local_size_x = " << kernel.group_size << ") in;\n";
   for (const Field& field : kernel.fields)
-    if (field.role == Role::option) out << "#define " << field.name << " " << option_value(field, args) << "\n";
+    if (field.role == Role::option)
+      out << "#define " << field.name << " " << option_value(field, args) << "\n";
   out << "layout(std140, binding = " << parameter_slot << ") uniform " << kernel.name
       << "_parameters {\n  uint threads;\n";
   for (const Field& field : kernel.fields) {
@@ -51,21 +57,23 @@ std::string interface_text(const KernelInfo& kernel, const void* args) {
   std::uint32_t buffers = 0;
   for (const Field& field : kernel.fields) {
     if (field.role == Role::option || field.role == Role::parameter) continue;
+    if (field.role != Role::table && (++buffers > max_buffers || field.slot >= max_buffers))
+      fail(kernel, "more than 8 storage buffers, which is all that OpenGL 4.3 promises");
+    if (!used.count(field.name)) continue;
     if (field.role == Role::table) {
       // std140 would pad each scalar of an array to 16 bytes.
       if (field.type != Type::real4 && field.type != Type::uint4)
         fail(kernel, std::string("table '") + field.name + "' must hold real4 or uint4");
-      if (field.slot >= parameter_slot) fail(kernel, std::string("table '") + field.name + "' has a slot too high");
+      if (field.slot >= parameter_slot)
+        fail(kernel, std::string("table '") + field.name + "' has a slot too high");
       out << "layout(std140, binding = " << field.slot << ") uniform " << kernel.name << "_" << field.name
           << "_block { " << type_name(field.type) << " " << field.name << "[" << field.size << "]; };\n";
       continue;
     }
-    if (++buffers > max_buffers || field.slot >= max_buffers)
-      fail(kernel, "more than 8 storage buffers, which is all that OpenGL 4.3 promises");
     // An output is not writeonly: a shader may read back what it wrote.
-    out << "layout(std430, binding = " << field.slot << ") restrict " << (field.role == Role::in ? "readonly " : "")
-        << "buffer " << kernel.name << "_" << field.name << "_block { " << type_name(field.type) << " " << field.name
-        << "[]; };\n";
+    out << "layout(std430, binding = " << field.slot << ") restrict "
+        << (field.role == Role::in ? "readonly " : "") << "buffer " << kernel.name << "_" << field.name
+        << "_block { " << type_name(field.type) << " " << field.name << "[]; };\n";
   }
   return out.str();
 }
@@ -76,7 +84,8 @@ std::string included_file(const std::string& line) {
   if (at == std::string::npos || line[at] != '#') return {};
   at = line.find_first_not_of(" \t", at + 1);
   if (at == std::string::npos || line.compare(at, 7, "include") != 0) return {};
-  const std::size_t open = line.find('"', at), close = open == std::string::npos ? open : line.find('"', open + 1);
+  const std::size_t open = line.find('"', at),
+                    close = open == std::string::npos ? open : line.find('"', open + 1);
   return close == std::string::npos ? std::string() : line.substr(open + 1, close - open - 1);
 }
 
@@ -101,8 +110,8 @@ void append_file(Source& source, const std::string& name, const Texts& texts) {
     }
     if (std::find(source.files.begin(), source.files.end(), included) == source.files.end()) {
       if (!texts.count(included))
-        throw Error(ExitCode::internal,
-                    name + ":" + std::to_string(count) + ": shader file '" + included + "' is not in this build");
+        throw Error(ExitCode::internal, name + ":" + std::to_string(count) + ": shader file '" + included +
+                                            "' is not in this build");
       append_file(source, included, texts);
     }
     mark(count + 1);
@@ -111,10 +120,17 @@ void append_file(Source& source, const std::string& name, const Texts& texts) {
 
 Source expand_kernel(const KernelInfo& kernel, const void* args, const Texts& texts) {
   Source source;
-  source.text = interface_text(kernel, args);
   source.files.push_back(std::string("interface of ") + kernel.name);
   append_file(source, "common/threads.glsl", texts);
   append_file(source, std::string(kernel.name) + ".comp", texts);
+
+  std::map<std::string, std::string> options;
+  for (const Field& field : kernel.fields)
+    if (field.role == Role::option) options[field.name] = std::to_string(option_value(field, args));
+  const std::set<std::string> names = names_used(source.text, options);
+  for (const Field& field : kernel.fields)
+    if (field.role >= Role::table && names.count(field.name)) source.names.insert(field.name);
+  source.text.insert(0, interface_text(kernel, args, source.names));
   return source;
 }
 
@@ -147,13 +163,13 @@ std::string readable_log(const std::string& log, const Source& source) {
 }
 
 std::string variant_name(const KernelInfo& kernel, const void* args) {
-  std::string name = kernel.name, separator = "[";
+  std::string options;
   for (const Field& field : kernel.fields) {
     if (field.role != Role::option) continue;
-    name += separator + field.name + "=" + std::to_string(option_value(field, args));
-    separator = ",";
+    options.append(options.empty() ? "" : ",").append(field.name).append("=");
+    options.append(std::to_string(option_value(field, args)));
   }
-  return separator == "[" ? name : name + "]";
+  return options.empty() ? kernel.name : std::string(kernel.name).append("[").append(options).append("]");
 }
 
 std::size_t parameter_bytes(const KernelInfo& kernel) {

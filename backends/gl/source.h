@@ -1,14 +1,17 @@
-// From a kernel's declaration to the text that the GLSL compiler gets, and back from its log to file and line.
+// From a kernel's declaration to the text that the GLSL compiler gets, and back from its log to file and
+// line.
 //
 //   #version, types, options as numbers
-//   parameters (uniform block), tables (uniform blocks), buffers (storage blocks), each in its slot
-//   common/threads.glsl, then <kernel>.comp with its #include lines expanded, each file once
+//   parameters (uniform block), tables (uniform blocks), buffers (storage blocks), each in its slot; of
+//   tables and buffers only those that the variant uses common/threads.glsl, then <kernel>.comp with its
+//   #include lines expanded, each file once
 #pragma once
 
 #include "kernels/kernel.h"
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,10 +29,11 @@ inline constexpr std::uint32_t max_buffers = 8;
 struct Source {
   std::string text;
   std::vector<std::string> files;
+  std::set<std::string> names; ///< of a kernel: the tables and buffers that this variant uses
 };
 
-/// The text for the options in `args` (an Args of this kernel). Throws Error(internal) for a missing file or a
-/// declaration that GLSL cannot express.
+/// The text for the options in `args` (an Args of this kernel). Throws Error(internal) for a missing file or
+/// a declaration that GLSL cannot express.
 Source expand_kernel(const KernelInfo& kernel, const void* args, const Texts& texts);
 
 /// Appends file `name` with its includes expanded, for texts that are no kernels (the renderer's).
