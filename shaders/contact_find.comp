@@ -3,6 +3,7 @@
 #include "common/cells.glsl"
 #include "common/contact.glsl"
 
+#if within
 uint slice_of(uint i, out uint lane) {
   uint range = 0u;
   while (range < 3u && i - law_range[range].x >= law_range[range].y) ++range;
@@ -11,7 +12,6 @@ uint slice_of(uint i, out uint lane) {
   return law_range[range].z + local / SLICE;
 }
 
-#if within
 bool bonded(uint slice, uint lane, uint j) {
   for (uint row = slice_begin[slice]; row < slice_begin[slice + 1]; ++row)
     if (bond[32 * row + lane] == j) return true;

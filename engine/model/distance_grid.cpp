@@ -43,7 +43,15 @@ double DistanceGrid::at(const Vector3& point, Vector3* gradient) const {
   return value;
 }
 
-DistanceGrid grid_around(const Vector3& low, const Vector3& high, double cell, unsigned margin) {
+DistanceGrid grid_around(const ShapeQuery& shape, double cell, unsigned margin) {
+  const std::vector<Vector3>& corners = shape.surface().vertices;
+  if (corners.empty())
+    throw Error(ExitCode::usage, "an obstacle without a surface cannot have a distance grid");
+  Vector3 low = corners.front(), high = low;
+  for (const Vector3& corner : corners) {
+    low = low.cwiseMin(corner);
+    high = high.cwiseMax(corner);
+  }
   DistanceGrid grid;
   grid.cell = cell;
   grid.low = low - Vector3::Constant(margin * cell);
@@ -59,20 +67,12 @@ DistanceGrid grid_around(const Vector3& low, const Vector3& high, double cell, u
                   "use a larger spacing or a smaller obstacle");
     grid.nodes[a] = static_cast<std::uint32_t>(whole) + 1;
   }
-  grid.distance.assign(static_cast<std::size_t>(count), 0);
   return grid;
 }
 
 DistanceGrid make_distance_grid(const ShapeQuery& shape, double cell, unsigned margin) {
-  const std::vector<Vector3>& corners = shape.surface().vertices;
-  if (corners.empty())
-    throw Error(ExitCode::usage, "an obstacle without a surface cannot have a distance grid");
-  Vector3 low = corners.front(), high = low;
-  for (const Vector3& corner : corners) {
-    low = low.cwiseMin(corner);
-    high = high.cwiseMax(corner);
-  }
-  DistanceGrid grid = grid_around(low, high, cell, margin);
+  DistanceGrid grid = grid_around(shape, cell, margin);
+  grid.distance.assign(grid.count(), 0);
   const auto nodes = grid.nodes;
   const std::int64_t rows = std::int64_t{nodes[1]} * nodes[2];
 #pragma omp parallel for schedule(dynamic, 4)

@@ -19,6 +19,7 @@ struct DistanceGrid {
   double cell = 0;                      ///< m
   std::vector<double> distance;         ///< m, negative inside; x fastest
 
+  std::size_t count() const { return std::size_t{nodes[0]} * nodes[1] * nodes[2]; }
   Vector3 node(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
     return low + cell * Vector3(x, y, z);
   }
@@ -26,12 +27,11 @@ struct DistanceGrid {
   double at(const Vector3& point, Vector3* gradient = nullptr) const;
 };
 
-/// Nodes of a grid around the box [low, high] with `margin` cells to each side.
-/// Throws Error(too_large) for more than 2^28 nodes: use a larger spacing.
-DistanceGrid grid_around(const Vector3& low, const Vector3& high, double cell, unsigned margin);
+/// Place and size of the grid of a shape's surface with `margin` cells to each side; no distances yet. Throws
+/// Error(usage) where the shape has no surface (planes), Error(too_large) for more than 2^28 nodes.
+DistanceGrid grid_around(const ShapeQuery& shape, double cell, unsigned margin = 3);
 
-/// Samples `shape`, whose surface must have triangles (all but planes). Throws Error(usage) where it has
-/// none.
+/// The same with its distances.
 DistanceGrid make_distance_grid(const ShapeQuery& shape, double cell, unsigned margin = 3);
 
 } // namespace pliant
