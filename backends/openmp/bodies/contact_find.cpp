@@ -1,0 +1,104 @@
+// Contacts of each particle; see kernels/contact_find.decl.
+#include "kernels/contact_find.h"
+#include "backends/openmp/body.h"
+#include "backends/openmp/cells.h"
+#include "shaders/common/contact.glsl"
+
+namespace pliant::openmp::PLIANT_ISA {
+
+namespace {
+
+/// The nearest CONTACTS of those offered, nearest first; of two as near the one of smaller index.
+template <class real> struct Nearest {
+  uint count = 0, lost = 0;
+  uint particle[CONTACTS];
+  real distance2[CONTACTS];
+
+  PLIANT_INLINE bool before(real r2, uint j, uint at) const {
+    return r2 < distance2[at] || (r2 == distance2[at] && j < particle[at]);
+  }
+  PLIANT_INLINE void offer(real r2, uint j) {
+    if (count == CONTACTS) {
+      ++lost;
+      if (!before(r2, j, CONTACTS - 1)) return;
+    } else {
+      ++count;
+    }
+    uint at = count - 1;
+    for (; at > 0 && before(r2, j, at - 1); --at) {
+      particle[at] = particle[at - 1];
+      distance2[at] = distance2[at - 1];
+    }
+    particle[at] = j;
+    distance2[at] = r2;
+  }
+  PLIANT_INLINE void order_by_index() {
+    for (uint a = 1; a < count; ++a) {
+      const uint j = particle[a];
+      uint at = a;
+      for (; at > 0 && particle[at - 1] > j; --at) particle[at] = particle[at - 1];
+      particle[at] = j;
+    }
+  }
+};
+
+template <class View> PLIANT_INLINE bool bonded(const View& k, uint i, uint j) {
+  for (uint range = 0; range < 4; ++range) {
+    const auto law = k.law_range[range];
+    if (i < law.x || i >= law.x + law.y) continue;
+    const uint slice = law.z + (i - law.x) / 16, lane = (i - law.x) % 16;
+    for (uint row = k.slice_begin[slice]; row < k.slice_begin[slice + 1]; ++row)
+      if (k.bond[std::size_t{32} * row + lane] == j) return true;
+  }
+  return false;
+}
+
+} // namespace
+
+template <class real> void contact_find(const kernels::contact_find::View<real>& k) {
+  const uint cells = k.mask + 1;
+  const real reach2 = k.reach * k.reach;
+#pragma omp parallel for schedule(dynamic, 512)
+  for (uint place = 0; place < k.threads; ++place) {
+    const uint i = k.sorted[place];
+    const auto here = k.sorted_place[place];
+    const Cell home = cell_at(xyz(here), k.per_cell);
+    const bool own = k.within && k.self_contact[static_cast<uint>(here.w)];
+    Nearest<real> nearest;
+    for (int row = 0; row < 9; ++row) {
+      const int y = home.y + row % 3 - 1, z = home.z + row / 3 - 1;
+      // Three cells along x; their numbers may run over the end of the table.
+      const uint first = cell_number(Cell{home.x - 1, y, z}, k.mask), last = first + 3;
+      const uint begin[2] = {first, 0}, end[2] = {smaller(last, cells), last > cells ? last - cells : 0};
+      for (int part = 0; part < 2; ++part) {
+        if (begin[part] >= end[part]) continue;
+        for (uint other = k.cell_begin[begin[part]]; other < k.cell_begin[end[part]]; ++other) {
+          const auto there = k.sorted_place[other];
+          const bool same = there.w == here.w;
+          if (same ? !own : !k.between) continue;
+          const Vec3<real> away = xyz(there) - xyz(here);
+          const real r2 = dot(away, away);
+          if (!(r2 < reach2) || other == place) continue;
+          // Rows may share numbers: only true members of this row count, and so each once.
+          const Cell cell = cell_at(xyz(there), k.per_cell);
+          if (cell.y != y || cell.z != z || cell.x < home.x - 1 || cell.x > home.x + 1) continue;
+          const uint j = k.sorted[other];
+          if (same && bonded(k, i, j)) continue;
+          nearest.offer(r2, j);
+        }
+      }
+    }
+    nearest.order_by_index();
+    uint* list = k.contact + std::size_t{CONTACTS * 16} * (i / 16) + i % 16;
+    for (uint a = 0; a < nearest.count; ++a) list[16 * a] = nearest.particle[a];
+    if (nearest.count < CONTACTS) list[16 * nearest.count] = i;
+    if (nearest.lost > 0) {
+      __atomic_fetch_add(&k.left_out[0], nearest.lost, __ATOMIC_RELAXED);
+      __atomic_fetch_add(&k.left_out[1], 1u, __ATOMIC_RELAXED);
+    }
+  }
+}
+
+PLIANT_BODY(contact_find)
+
+} // namespace pliant::openmp::PLIANT_ISA

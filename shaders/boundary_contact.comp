@@ -1,0 +1,100 @@
+// Obstacles; see kernels/boundary_contact.decl.
+#include "common/contact.glsl"
+#include "common/obstacle.glsl"
+#include "common/solver.glsl"
+
+#if meshes
+// Trilinear in the cell that a + u lies in; the normal is its exact gradient, of length about one. Beyond the grid a
+// container's wall goes on from the grid's edge, and an obstacle is far.
+float grid_value(uvec4 nodes, uvec3 at) { return grid_distance[nodes.w + (at.z * nodes.y + at.y) * nodes.x + at.x]; }
+
+float mesh_distance(vec3 a, vec3 u, vec3 low, float cell, uvec4 nodes, bool container, out vec3 normal) {
+  vec3 start = (a - low) / cell, whole = floor(start);
+  vec3 part = (start - whole) + u / cell; // relative to `whole`: u keeps its digits
+  vec3 last = vec3(nodes.xyz) - 2.0;
+  vec3 at = clamp(whole + floor(part), vec3(0.0), last);
+  part -= at - whole;
+  vec3 within = clamp(part, vec3(0.0), vec3(1.0)), beyond = cell * (part - within);
+  float away = length(beyond);
+  normal = vec3(0.0);
+  if (!(away < 1e18) || (away > 0.0 && !container)) return 1e18;
+  uvec3 n = uvec3(at);
+  float v000 = grid_value(nodes, n), v100 = grid_value(nodes, n + uvec3(1, 0, 0));
+  float v010 = grid_value(nodes, n + uvec3(0, 1, 0)), v110 = grid_value(nodes, n + uvec3(1, 1, 0));
+  float v001 = grid_value(nodes, n + uvec3(0, 0, 1)), v101 = grid_value(nodes, n + uvec3(1, 0, 1));
+  float v011 = grid_value(nodes, n + uvec3(0, 1, 1)), v111 = grid_value(nodes, n + uvec3(1, 1, 1));
+  float x00 = v000 + within.x * (v100 - v000), x10 = v010 + within.x * (v110 - v010);
+  float x01 = v001 + within.x * (v101 - v001), x11 = v011 + within.x * (v111 - v011);
+  float y0 = x00 + within.y * (x10 - x00), y1 = x01 + within.y * (x11 - x01);
+  float value = y0 + within.z * (y1 - y0);
+  if (away > 0.0) {
+    normal = beyond / away;
+    return value + away;
+  }
+  float dx0 = (v100 - v000) + within.y * ((v110 - v010) - (v100 - v000));
+  float dx1 = (v101 - v001) + within.y * ((v111 - v011) - (v101 - v001));
+  normal = vec3(dx0 + within.z * (dx1 - dx0), (x10 - x00) + within.z * ((x11 - x01) - (x10 - x00)), y1 - y0) / cell;
+  return value;
+}
+#endif
+
+void main() {
+  uint i = thread_index();
+  if (i >= threads || solver[SOLVER_STOP] > 0.0) return;
+  vec4 f = force[i];
+  vec3 body = origin[owner[i]].xyz, y = position[i].xyz, u = displacement[i].xyz;
+  float k = f.w > 0.0 ? f.w : least_stiffness;
+  uint acts = 0u;
+  for (uint o = 0u; o < obstacles; ++o) {
+    uint row = OBSTACLE_ROWS * o;
+    vec4 traits = obstacle[row + OBSTACLE_KIND], place = obstacle[row + OBSTACLE_CENTRE];
+    vec3 start = (body - place.xyz) + y, now = start + u;
+    if (dot(now, now) > place.w * place.w) continue;
+    vec4 size = obstacle[row + OBSTACLE_SIZE];
+    vec4 r0 = obstacle[row + OBSTACLE_AXES], r1 = obstacle[row + OBSTACLE_AXES + 1],
+         r2 = obstacle[row + OBSTACLE_AXES + 2];
+    vec3 a = start.x * r0.xyz + start.y * r1.xyz + start.z * r2.xyz; // R^T start
+    vec3 v = u.x * r0.xyz + u.y * r1.xyz + u.z * r2.xyz;
+    int kind = int(traits.x);
+    float d;
+    vec3 normal;
+    if (kind == OBSTACLE_PLANE) {
+      d = a.y + v.y;
+      normal = vec3(0.0, 1.0, 0.0);
+    } else if (kind == OBSTACLE_SPHERE) {
+      d = sphere_distance(a, v, size.x, normal);
+    } else if (kind == OBSTACLE_BOX) {
+      d = box_distance(a, v, size.xyz, normal);
+    } else if (kind == OBSTACLE_CYLINDER) {
+      d = cylinder_distance(a, v, size.x, size.y, normal);
+    } else if (kind == OBSTACLE_TORUS) {
+      d = torus_distance(a, v, size.x, size.y, normal);
+    } else {
+#if meshes
+      d = mesh_distance(a, v, vec3(r0.w, r1.w, r2.w), size.w, grid[o], traits.w > 0.0, normal);
+#else
+      continue;
+#endif
+    }
+    float sense = traits.w > 0.0 ? -1.0 : 1.0;
+    float depth = radius - sense * d;
+    if (!(depth > 0.0)) continue;
+    vec3 gradient = sense * vec3(dot(r0.xyz, normal), dot(r1.xyz, normal), dot(r2.xyz, normal));
+    vec3 push = k * depth * gradient;
+    vec4 s0 = obstacle[row + OBSTACLE_SHIFT], s1 = obstacle[row + OBSTACLE_SHIFT + 1],
+         s2 = obstacle[row + OBSTACLE_SHIFT + 2];
+    vec3 slide = u - vec3(dot(s0.xyz, now) + s0.w, dot(s1.xyz, now) + s1.w, dot(s2.xyz, now) + s2.w);
+    float steep2 = dot(gradient, gradient);
+    if (steep2 > 0.0) slide -= (dot(gradient, slide) / steep2) * gradient;
+    float hold = k;
+    if (traits.z == 0.0) {
+      float limit = traits.y * length(push), distance_slid = length(slide);
+      if (k * distance_slid > limit) hold = limit / distance_slid;
+    }
+    f.xyz += push - hold * slide;
+    f.w += k;
+    acts = 1u;
+  }
+  force[i] = f;
+  touched[i] = acts;
+}
