@@ -82,21 +82,16 @@ public:
   }
 
   void contacts() {
-    const ContactNeeds needs = contact_needs(scene_, model_);
+    const ContactPlan needs = plan_contacts(scene_, model_);
     plan_.boundaries = needs.boundaries;
-    plan_.pairs = needs.pairs;
-    begin("boundaries", plan_.boundaries);
-    for (const BufferSpec& spec : needs.buffers)
-      if (spec.component == "boundaries") buffer(spec.name, spec.type, spec.count);
-    for (const KernelSpec& spec : needs.kernels)
-      if (spec.component == "boundaries") kernel(*spec.info);
-    begin("contacts", plan_.pairs);
-    for (const BufferSpec& spec : needs.buffers)
-      if (spec.component == "contacts") buffer(spec.name, spec.type, spec.count);
-    for (const KernelSpec& spec : needs.kernels)
-      if (spec.component == "contacts") kernel(*spec.info);
-    begin(plan_.boundaries ? "boundaries" : "contacts", plan_.boundaries || plan_.pairs, false);
-    buffer("touched", Type::uint, n_);
+    plan_.pairs = needs.pairs();
+    for (const auto& [component, used] : {std::pair{"boundaries", plan_.boundaries}, {"contacts", plan_.pairs}}) {
+      begin(component, used);
+      for (const BufferSpec& spec : needs.buffers)
+        if (spec.component == component) buffer(spec.name, spec.type, spec.count);
+      for (const KernelSpec& spec : needs.kernels)
+        if (spec.component == component) kernel(*spec.info);
+    }
   }
 
   void sums(const Chunks& chunks) {
@@ -133,10 +128,10 @@ public:
   }
 
 private:
-  void begin(const std::string& component, bool used, bool list = true) {
+  void begin(const std::string& component, bool used) {
     component_ = component;
     active_ = used;
-    if (list) (used ? plan_.used : plan_.left_out).push_back(component);
+    (used ? plan_.used : plan_.left_out).push_back(component);
   }
   void buffer(const std::string& name, Type type, std::size_t count) {
     if (!active_ || plan_.find(name)) return;

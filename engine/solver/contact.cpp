@@ -30,7 +30,7 @@ constexpr double margin_spacings = 0.3;
 // Cells are a little wider than the reach, so that rounding cannot part two particles by two cells.
 constexpr double cell_slack = 1.001;
 
-constexpr const char* component = "contact";
+constexpr const char* component = "contacts";
 constexpr const char* boundary_component = "boundaries";
 
 double grid_cell(const Scene& scene) {
@@ -101,8 +101,9 @@ ContactPlan plan_contacts(const Scene& scene, const Model& model) {
   return plan;
 }
 
-Contacts::Contacts(Device& device, const Scene& scene, const Model& model)
-    : device_(device), plan_(plan_contacts(scene, model)), obstacles_(scene, plan_.radius, grid_cell(scene)) {
+Contacts::Contacts(Device& device, const Scene& scene, const Model& model, const Vector3& scene_origin)
+    : device_(device), plan_(plan_contacts(scene, model)), obstacles_(scene, plan_.radius, grid_cell(scene)),
+      origin_(scene_origin) {
   for (const BufferSpec& spec : plan_.buffers)
     buffers_.emplace(spec.name, device.allocate(spec.name, spec.type, spec.count));
   if (!plan_.any()) return;
@@ -113,10 +114,10 @@ Contacts::Contacts(Device& device, const Scene& scene, const Model& model)
     device.upload(buffer("grid_distance"), obstacles_.take_distances());
   }
   if (std::none_of(scene.boundaries.begin(), scene.boundaries.end(), moves) && plan_.boundaries) {
-    device.upload(buffer("obstacle"), obstacles_.table(0, 0));
+    device.upload(buffer("obstacle"), obstacles_.table(0, 0, origin_));
     still_ = true;
   }
-  for (const BodyModel& body : model.bodies) base_ += body.origin / double(model.bodies.size());
+  for (const BodyModel& body : model.bodies) base_ += (body.origin - origin_) / double(model.bodies.size());
   if (!plan_.within) return;
   std::vector<std::uint32_t> self, ranges(16, 0);
   for (const BodyModel& body : model.bodies) self.push_back(body.self_contact);
@@ -269,7 +270,7 @@ void Contacts::begin_step(double time, double step, const ContactState& state) {
   least_stiffness_ = lightest_ / (step * step);
   if (plan_.boundaries && !still_) {
     device_.enter(boundary_component);
-    device_.upload(buffer("obstacle"), obstacles_.table(time, time + step));
+    device_.upload(buffer("obstacle"), obstacles_.table(time, time + step, origin_));
   }
   if (!plan_.pairs()) return;
   device_.enter(component);

@@ -33,14 +33,6 @@ double bound_of(const Shape& shape) {
 
 } // namespace
 
-Placement placement_at(const Motion& motion, double time) {
-  const double elapsed = std::max(std::min(time, motion.end) - motion.start, 0.0);
-  Placement placed;
-  if (motion.rate != 0) placed.turn = Eigen::AngleAxisd(motion.rate * elapsed, motion.axis.normalized());
-  placed.shift = motion.about - placed.turn * motion.about + elapsed * motion.velocity;
-  return placed;
-}
-
 Obstacles::Obstacles(const Scene& scene, double radius, double cell, bool measure_only) {
   if (scene.boundaries.size() > OBSTACLES)
     throw Error(ExitCode::usage, "the scene has " + std::to_string(scene.boundaries.size()) +
@@ -105,19 +97,20 @@ Obstacles::Obstacles(const Scene& scene, double radius, double cell, bool measur
                 "use a larger spacing");
 }
 
-std::vector<Real4<double>> Obstacles::table(double begin, double end) const {
+std::vector<Real4<double>> Obstacles::table(double begin, double end, const Vector3& origin) const {
   std::vector<Real4<double>> rows(std::size_t{OBSTACLES} * OBSTACLE_ROWS);
   Real4<double>* row = rows.data();
   for (const Obstacle& o : obstacles_) {
-    const Placement before = placement_at(o.motion, begin), after = placement_at(o.motion, end);
+    const RigidMap before = motion_at(o.motion, begin), after = motion_at(o.motion, end);
     const Vector3 centre = after(o.centre);
-    const Matrix3 axes = after.turn * o.axes;
+    const Matrix3 axes = after.rotation * o.axes;
     // A point of the obstacle at centre + r was at before(after^-1(.)): its displacement is W r + w.
-    const Matrix3 back = before.turn * after.turn.transpose();
+    const Matrix3 back = before.rotation * after.rotation.transpose();
     const Matrix3 turned = Matrix3::Identity() - back;
     const Vector3 moved = centre - before(o.centre);
     row[OBSTACLE_KIND] = {o.kind, o.friction, o.no_slip ? 1.0 : 0.0, o.inside ? 1.0 : 0.0};
-    row[OBSTACLE_CENTRE] = {centre[0], centre[1], centre[2], o.around};
+    const Vector3 place = centre - origin;
+    row[OBSTACLE_CENTRE] = {place[0], place[1], place[2], o.around};
     row[OBSTACLE_SIZE] = {o.size[0], o.size[1], o.size[2], o.cell};
     for (int a = 0; a < 3; ++a) {
       row[OBSTACLE_AXES + a] = {axes(a, 0), axes(a, 1), axes(a, 2), o.low[a]};

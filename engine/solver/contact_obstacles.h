@@ -4,23 +4,13 @@
 
 #include "engine/model/distance_grid.h"
 #include "engine/scene/scene.h"
+#include "engine/solver/motion.h"
 #include "kernels/kernel.h"
 
 #include <cstdint>
 #include <vector>
 
 namespace pliant {
-
-/// A rigid displacement: x = turn x0 + shift.
-struct Placement {
-  Matrix3 turn = Matrix3::Identity();
-  Vector3 shift = Vector3::Zero(); ///< m
-  Vector3 operator()(const Vector3& x0) const { return turn * x0 + shift; }
-};
-
-/// Where a motion has taken things at `time`, s: x = c + R (x0 - c) + v t, t counted from its start, at most
-/// to its end.
-Placement placement_at(const Motion& motion, double time);
 
 class Obstacles {
 public:
@@ -32,8 +22,8 @@ public:
   std::uint32_t count() const { return static_cast<std::uint32_t>(obstacles_.size()); }
   bool meshes() const { return grid_nodes_ > 0; }
   std::size_t grid_nodes() const { return grid_nodes_; }
-  /// Rows for the table `obstacle`: places at `end`, displacements since `begin`, s.
-  std::vector<Real4<double>> table(double begin, double end) const;
+  /// Rows for the table `obstacle`: places at `end`, relative to `origin` (m, world), displacements since `begin`, s.
+  std::vector<Real4<double>> table(double begin, double end, const Vector3& origin) const;
   /// The table `grid`, and the distances of all grids, one after the other, m; given away.
   std::vector<std::uint32_t> grid_table() const;
   std::vector<double> take_distances() { return std::move(distances_); }

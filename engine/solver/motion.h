@@ -20,7 +20,8 @@ struct RigidMap {
 inline RigidMap motion_at(const Motion& motion, double time) {
   const double elapsed = std::max(std::min(time, motion.end) - motion.start, 0.0);
   RigidMap map;
-  map.rotation = Eigen::AngleAxisd(motion.rate * elapsed, motion.axis).toRotationMatrix();
+  if (motion.rate != 0)
+    map.rotation = Eigen::AngleAxisd(motion.rate * elapsed, motion.axis.normalized()).toRotationMatrix();
   map.shift = motion.about - map.rotation * motion.about + motion.velocity * elapsed;
   return map;
 }

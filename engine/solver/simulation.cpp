@@ -8,6 +8,8 @@
 #include "engine/solver/state.h"
 #include "kernels/all.h"
 
+#include <Eigen/Eigenvalues>
+
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -77,7 +79,6 @@ Buffer* Simulation::State::find(const std::string& name) {
       {"component", &component},
       {"moment", &moment},
       {"rigid", &rigid},
-      {"touched", &touched},
       {"chunk_sum", &chunk_sum},
       {"statistics", &statistics},
   };
@@ -108,6 +109,8 @@ Simulation::Simulation(Device& device, const Scene& scene, const Model& model, c
   scene_origin_ = (scene_origin_ / grain).array().round() * grain;
   allocate();
   upload(bonds);
+  if (plan_.boundaries || plan_.pairs)
+    contacts_ = std::make_unique<Contacts>(device_, scene, model, scene_origin_);
   choose_step(time_step_);
   if (plan_.frames) frame_ = std::make_unique<FrameOutput>(*this);
 }
@@ -235,6 +238,7 @@ void Simulation::begin_step() {
   const double end = static_cast<double>(step_ + 1) * time_step_;
   const double wanted = plan_.bdf2 && !first_of_bdf2_ ? time_step_ * 2 / 3 : time_step_;
   if (wanted != solve_step_) choose_step(wanted);
+  if (contacts_) contacts_->begin_step(end - time_step_, time_step_, contact_state());
   if (plan_.held) gather_held(end);
   if (plan_.loaded) {
     std::vector<Real4d> force(model_.count(), Real4d{0, 0, 0, 0});
@@ -248,6 +252,19 @@ void Simulation::begin_step() {
     if (!same) device_.upload(state_->external_force, force);
     loaded_ = std::move(force);
   }
+}
+
+ContactState Simulation::contact_state() const {
+  const State& s = *state_;
+  return {.position = s.position,
+          .displacement = s.displacement,
+          .owner = s.owner,
+          .origin = s.origin,
+          .linear_start = s.linear_start,
+          .solver = s.solver,
+          .force = s.force,
+          .slice_begin = s.slice_begin,
+          .bond = s.bond};
 }
 
 void Simulation::gather_held(double time) {

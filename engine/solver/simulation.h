@@ -15,6 +15,7 @@
 namespace pliant {
 
 class Contacts;
+struct ContactState;
 class FrameOutput;
 
 enum class StopReason : std::uint8_t { none, tolerance, floor, cap };
@@ -93,6 +94,7 @@ private:
   void choose_step(double step);
   void gather_held(double time);
   void begin_solve();
+  ContactState contact_state() const;
   void begin_elasticity();
   void local_step();
   void elastic_force();

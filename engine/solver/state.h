@@ -19,7 +19,7 @@ struct Simulation::State {
   // Held particles.
   Buffer motion, held, held_start;
   // Bodies and components.
-  Buffer origin, origin_shift, anchor, chunk, component, moment, rigid, touched;
+  Buffer origin, origin_shift, anchor, chunk, component, moment, rigid;
   // Statistics.
   Buffer chunk_sum, statistics;
 

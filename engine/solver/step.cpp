@@ -33,7 +33,7 @@ void Simulation::step() {
   for (unsigned k = 0; k <= iterations_; ++k) {
     const bool search = contacts_ && plan_.pairs && searches(k) && k < iterations_;
     const bool checked = k % check_every == 0 || k == iterations_ || search;
-    if (search) contacts_->find();
+    if (search) contacts_->find(contact_state());
     local_step();                    // Y*, or R and theta: Eqs. 4, 10, 11
     elastic_force();                 // right side of Eq. 12
     contact_force();
@@ -208,8 +208,7 @@ void Simulation::elastic_force() {
 
 void Simulation::contact_force() {
   if (!contacts_) return;
-  device_.enter("contacts");
-  contacts_->add_forces();
+  contacts_->add_forces(contact_state());
 }
 
 void Simulation::global_step(unsigned iteration, bool checked, bool restart) {
@@ -274,7 +273,7 @@ void Simulation::restore_momentum() {
                                                  .position = s.position,
                                                  .displacement = s.best_iterate,
                                                  .inertia_target = s.inertia_target,
-                                                 .touched = s.touched,
+                                                 .touched = contacts_ ? contacts_->touched() : nullptr,
                                                  .moment = s.moment});
     device_.run(kernels::component_motion::Args{.threads = static_cast<std::uint32_t>(chunks_.component.size()),
                                                 .component = s.component,
