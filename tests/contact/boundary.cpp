@@ -111,7 +111,7 @@ TEST_P(Boundaries, NoSlipHoldsAndDragsWithATurningObstacle) {
   plate.slip = false;
   plate.motion.velocity = {2, 0, 0};
   plate.motion.rate = 3;
-  plate.motion.about = {0, 0, 1};
+  plate.motion.about = {0, 0, -0.6};
   world.add({0.4, 0.04, 0.2}, {0.01, 0, -0.02});
   Bench bench(*device, world);
   const auto forces = bench.forces();
@@ -121,7 +121,7 @@ TEST_P(Boundaries, NoSlipHoldsAndDragsWithATurningObstacle) {
   const Vector3 from = after.turn.transpose() * (p - after.shift);
   const Vector3 expected = -1000 * (world.displacement[0] - (p - from)) + Vector3(0, 1000 * 0.01, 0);
   EXPECT_LT((vector_of(forces[0]) - expected).norm(), 2000 * epsilon);
-  EXPECT_GT(forces[0].x, 5); // dragged along +x: 2 m/s against 1 m/s
+  EXPECT_GT(forces[0].x, 30); // dragged along +x: 4.4 m/s against 1 m/s
 }
 
 TEST_P(Boundaries, MovingObstacleIsWhereItsMotionTakesItAndStops) {

@@ -51,7 +51,7 @@ TEST_P(Pairs, OrderIsThatOfAStableSortByCell) {
 }
 
 TEST_P(Pairs, ListsAreThoseOfAllPairs) {
-  const World world = cloud(700, 0.35, 5);
+  const World world = cloud(700, 0.5, 5);
   Bench bench(*device, world);
   const auto lists = bench.lists();
   EXPECT_EQ(bench.contacts.overflow().contacts, 0u);
@@ -72,7 +72,7 @@ TEST_P(Pairs, ListsAreThoseOfAllPairs) {
 }
 
 TEST_P(Pairs, ForcesAreTheGradientAndAddUpToZero) {
-  World world = cloud(500, 0.3, 3);
+  World world = cloud(500, 0.4, 3);
   world.scene.contact.friction = 0;
   Bench bench(*device, world);
   const auto forces = bench.forces();
