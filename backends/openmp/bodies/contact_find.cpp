@@ -72,18 +72,19 @@ template <class real> void contact_find(const kernels::contact_find::View<real>&
       const uint begin[2] = {first, 0}, end[2] = {smaller(last, cells), last > cells ? last - cells : 0};
       for (int part = 0; part < 2; ++part) {
         if (begin[part] >= end[part]) continue;
-        for (uint other = k.cell_begin[begin[part]]; other < k.cell_begin[end[part]]; ++other) {
+        const uint stop = k.cell_begin[end[part]];
+        for (uint other = k.cell_begin[begin[part]]; other < stop; ++other) {
           const auto there = k.sorted_place[other];
-          const bool same = there.w == here.w;
-          if (same ? !own : !k.between) continue;
           const Vec3<real> away = xyz(there) - xyz(here);
           const real r2 = dot(away, away);
-          if (!(r2 < reach2) || other == place) continue;
+          const uint wanted = there.w == here.w ? uint{own} : uint{k.between != 0};
+          // One branch a candidate, which rarely goes the other way.
+          if (!(wanted & uint{r2 < reach2} & uint{other != place})) continue;
           // Rows may share numbers: only true members of this row count, and so each once.
           const Cell cell = cell_at(xyz(there), k.per_cell);
           if (cell.y != y || cell.z != z || cell.x < home.x - 1 || cell.x > home.x + 1) continue;
           const uint j = k.sorted[other];
-          if (same && bonded(k, i, j)) continue;
+          if (there.w == here.w && bonded(k, i, j)) continue;
           nearest.offer(r2, j);
         }
       }
