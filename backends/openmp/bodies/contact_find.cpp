@@ -64,6 +64,7 @@ template <class real> void contact_find(const kernels::contact_find::View<real>&
     const auto here = k.sorted_place[place];
     const Cell home = cell_at(xyz(here), k.per_cell);
     const bool own = k.within && k.self_contact[static_cast<uint>(here.w)];
+    const real limit_own = own ? reach2 : real(0), limit_more = (k.between ? reach2 : real(0)) - limit_own;
     Nearest<real> nearest;
     for (int row = 0; row < 9; ++row) {
       const int y = home.y + row % 3 - 1, z = home.z + row / 3 - 1;
@@ -77,9 +78,9 @@ template <class real> void contact_find(const kernels::contact_find::View<real>&
           const auto there = k.sorted_place[other];
           const Vec3<real> away = xyz(there) - xyz(here);
           const real r2 = dot(away, away);
-          const uint wanted = there.w == here.w ? uint{own} : uint{k.between != 0};
-          // One branch a candidate, which rarely goes the other way.
-          if (!(wanted & uint{r2 < reach2} & uint{other != place})) continue;
+          // One branch a candidate, which rarely goes the other way: the limit is 0 for a body not wanted.
+          const real gap = there.w - here.w, differs = smaller(gap * gap, real(1));
+          if (!(r2 < limit_own + differs * limit_more) || other == place) continue;
           // Rows may share numbers: only true members of this row count, and so each once.
           const Cell cell = cell_at(xyz(there), k.per_cell);
           if (cell.y != y || cell.z != z || cell.x < home.x - 1 || cell.x > home.x + 1) continue;
