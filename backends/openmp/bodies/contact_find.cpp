@@ -64,6 +64,7 @@ template <class real> void contact_find(const kernels::contact_find::View<real>&
     const auto here = k.sorted_place[place];
     const Cell home = cell_at(xyz(here), k.per_cell);
     const bool own = k.within && k.self_contact[static_cast<uint>(here.w)];
+    const real limit_own = own ? reach2 : real(0), limit_more = (k.between ? reach2 : real(0)) - limit_own;
     Nearest<real> nearest;
     for (int row = 0; row < 9; ++row) {
       const int y = home.y + row % 3 - 1, z = home.z + row / 3 - 1;
@@ -72,18 +73,19 @@ template <class real> void contact_find(const kernels::contact_find::View<real>&
       const uint begin[2] = {first, 0}, end[2] = {smaller(last, cells), last > cells ? last - cells : 0};
       for (int part = 0; part < 2; ++part) {
         if (begin[part] >= end[part]) continue;
-        for (uint other = k.cell_begin[begin[part]]; other < k.cell_begin[end[part]]; ++other) {
+        const uint stop = k.cell_begin[end[part]];
+        for (uint other = k.cell_begin[begin[part]]; other < stop; ++other) {
           const auto there = k.sorted_place[other];
-          const bool same = there.w == here.w;
-          if (same ? !own : !k.between) continue;
           const Vec3<real> away = xyz(there) - xyz(here);
           const real r2 = dot(away, away);
-          if (!(r2 < reach2) || other == place) continue;
+          // One branch a candidate, which rarely goes the other way: the limit is 0 for a body not wanted.
+          const real gap = there.w - here.w, differs = smaller(gap * gap, real(1));
+          if (!(r2 < limit_own + differs * limit_more) || other == place) continue;
           // Rows may share numbers: only true members of this row count, and so each once.
           const Cell cell = cell_at(xyz(there), k.per_cell);
           if (cell.y != y || cell.z != z || cell.x < home.x - 1 || cell.x > home.x + 1) continue;
           const uint j = k.sorted[other];
-          if (same && bonded(k, i, j)) continue;
+          if (there.w == here.w && bonded(k, i, j)) continue;
           nearest.offer(r2, j);
         }
       }
