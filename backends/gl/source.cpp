@@ -147,13 +147,13 @@ std::string readable_log(const std::string& log, const Source& source) {
 }
 
 std::string variant_name(const KernelInfo& kernel, const void* args) {
-  std::string name = kernel.name, separator = "[";
+  std::string options;
   for (const Field& field : kernel.fields) {
     if (field.role != Role::option) continue;
-    name += separator + field.name + "=" + std::to_string(option_value(field, args));
-    separator = ",";
+    options.append(options.empty() ? "" : ",").append(field.name).append("=");
+    options.append(std::to_string(option_value(field, args)));
   }
-  return separator == "[" ? name : name + "]";
+  return options.empty() ? kernel.name : std::string(kernel.name).append("[").append(options).append("]");
 }
 
 std::size_t parameter_bytes(const KernelInfo& kernel) {

@@ -111,9 +111,9 @@ public:
   void prepare(const KernelInfo& kernel, const void*) override { body(kernel); }
 
   void dispatch(const KernelInfo& kernel, const void* args) override {
-    const Body run = body(kernel);
+    const Body loop = body(kernel);
     omp_set_num_threads(static_cast<int>(info_.threads));
-    run(args, [](const BufferStorage* buffer) -> void* { return buffer ? memory(buffer) : nullptr; });
+    loop(args, [](const BufferStorage* buffer) -> void* { return buffer ? memory(buffer) : nullptr; });
   }
 
   void finish() override {}

@@ -1,0 +1,159 @@
+// Runs each kernel twice and compares.
+#include "engine/device/replay.h"
+
+#include "engine/core/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <sstream>
+
+namespace pliant {
+
+namespace {
+
+bool is_buffer(const Field& field) { return field.role >= Role::table; }
+bool is_output(const Field& field) { return field.role == Role::out || field.role == Role::inout; }
+
+class ReplayDevice final : public Device {
+public:
+  ReplayDevice(std::unique_ptr<Device> device, std::unique_ptr<Device> reference)
+      : device_(std::move(device)), reference_(std::move(reference)) {}
+
+  Device& live() { return *device_; }
+
+  const DeviceInfo& info() const override { return device_->info(); }
+  Buffer allocate(std::string_view name, Type type, std::size_t count) override {
+    return device_->allocate(name, type, count);
+  }
+  void write(BufferStorage* buffer, std::size_t first, std::span<const std::byte> bytes) override {
+    device_->write(buffer, first, bytes);
+  }
+  void read(const BufferStorage* buffer, std::size_t first, std::span<std::byte> bytes) override {
+    device_->read(buffer, first, bytes);
+  }
+  void copy(const BufferStorage* from, BufferStorage* to) override { device_->copy(from, to); }
+  std::unique_ptr<Readback> request(const BufferStorage* buffer, std::size_t first, std::size_t bytes) override {
+    return device_->request(buffer, first, bytes);
+  }
+  void prepare(const KernelInfo& kernel, const void* args) override {
+    device_->prepare(kernel, args);
+    reference_->prepare(kernel, args);
+  }
+
+  void dispatch(const KernelInfo& kernel, const void* args) override {
+    ++dispatches_;
+    // Args is a plain structure: its copy differs in the buffers alone. Held in doubles for their alignment.
+    const std::size_t bytes = args_bytes(kernel);
+    std::vector<double> twin_args(bytes / 8 + 1);
+    std::memcpy(twin_args.data(), args, bytes);
+    for (const Field& field : kernel.fields) {
+      if (!is_buffer(field)) continue;
+      BufferStorage* const buffer = argument(field, args);
+      BufferStorage* const twin = buffer ? twin_of(buffer) : nullptr;
+      if (buffer) copy_across(*device_, buffer, *reference_, twin);
+      std::memcpy(reinterpret_cast<char*>(twin_args.data()) + field.offset, &twin, sizeof twin);
+    }
+    device_->dispatch(kernel, args);
+    reference_->dispatch(kernel, twin_args.data());
+    for (const Field& field : kernel.fields)
+      if (is_output(field) && argument(field, args)) compare(kernel, field, argument(field, args));
+  }
+
+  void finish() override { device_->finish(); }
+  void enter(std::string_view component) override { device_->enter(component); }
+  void measure(bool on) override { device_->measure(on); }
+  std::vector<Timing> take_timings() override { return device_->take_timings(); }
+  std::size_t bytes_allocated() const override { return device_->bytes_allocated(); }
+  std::size_t bytes_peak() const override { return device_->bytes_peak(); }
+  std::vector<std::string> kernels_prepared() const override { return device_->kernels_prepared(); }
+
+private:
+  static BufferStorage* argument(const Field& field, const void* args) {
+    BufferStorage* buffer = nullptr;
+    std::memcpy(&buffer, static_cast<const char*>(args) + field.offset, sizeof buffer);
+    return buffer;
+  }
+
+  static std::size_t args_bytes(const KernelInfo& kernel) {
+    std::size_t end = sizeof(ArgsHeader);
+    for (const Field& field : kernel.fields) {
+      const bool small = field.role == Role::option || (field.role == Role::parameter && field.type == Type::uint);
+      end = std::max<std::size_t>(end, field.offset + (small ? 4 : 8));
+    }
+    return end;
+  }
+
+  BufferStorage* twin_of(const BufferStorage* buffer) {
+    Buffer& twin = twins_[buffer];
+    if (!twin || twin->type() != buffer->type() || twin->count() != buffer->count())
+      twin = reference_->allocate(buffer->name(), buffer->type(), buffer->count());
+    return twin;
+  }
+
+  static void copy_across(Device& from, const BufferStorage* source, Device& to, BufferStorage* target) {
+    if (source->bytes() == target->bytes()) {
+      std::vector<std::byte> bytes(source->bytes());
+      from.read(source, 0, bytes);
+      to.write(target, 0, bytes);
+    } else if (source->type() == Type::real) {
+      to.upload(target, from.download_real(source));
+    } else {
+      to.upload(target, from.download_real4(source));
+    }
+  }
+
+  // The values of a buffer as doubles, exact for both kinds of integers too.
+  static std::vector<double> values(Device& device, const BufferStorage* buffer) {
+    if (buffer->type() == Type::real) return device.download_real(buffer);
+    if (buffer->type() == Type::real4) {
+      const auto groups = device.download_real4(buffer);
+      const auto* first = reinterpret_cast<const double*>(groups.data());
+      return {first, first + 4 * groups.size()};
+    }
+    std::vector<std::uint32_t> whole(buffer->bytes() / 4);
+    device.read(buffer, 0, std::as_writable_bytes(std::span(whole)));
+    return {whole.begin(), whole.end()};
+  }
+
+  void compare(const KernelInfo& kernel, const Field& field, const BufferStorage* buffer) {
+    const bool real = buffer->type() == Type::real || buffer->type() == Type::real4;
+    const std::vector<double> ours = values(*device_, buffer), theirs = values(*reference_, twin_of(buffer));
+    double largest = 0;
+    for (const double value : theirs)
+      if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
+    const double allowed = real ? replay_tolerance * largest : 0;
+    for (std::size_t i = 0; i < ours.size(); ++i) {
+      const double a = ours[i], b = theirs[i];
+      const bool same = a == b || (std::isnan(a) && std::isnan(b)) || std::abs(a - b) <= allowed;
+      if (same) continue;
+      const std::size_t width = buffer->type() == Type::real4 || buffer->type() == Type::uint4 ? 4 : 1;
+      std::ostringstream text;
+      text.precision(9);
+      text << "replay: dispatch " << dispatches_ << ", kernel '" << kernel.name << "', buffer '" << field.name
+           << "', element " << i / width;
+      if (width == 4) text << "." << "xyzw"[i % 4];
+      text << ": " << a << " on " << device_->info().backend << ", " << b << " on " << reference_->info().backend
+           << " (" << reference_->info().name << "); allowed difference " << allowed;
+      throw Error(ExitCode::internal, text.str());
+    }
+  }
+
+  std::unique_ptr<Device> device_, reference_;
+  std::map<const BufferStorage*, Buffer> twins_;
+  std::size_t dispatches_ = 0;
+};
+
+} // namespace
+
+std::unique_ptr<Device> make_replay_device(std::unique_ptr<Device> device, std::unique_ptr<Device> reference) {
+  return std::make_unique<ReplayDevice>(std::move(device), std::move(reference));
+}
+
+Device& unwrapped(Device& device) {
+  auto* replay = dynamic_cast<ReplayDevice*>(&device);
+  return replay ? replay->live() : device;
+}
+
+} // namespace pliant
