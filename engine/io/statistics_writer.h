@@ -1,0 +1,46 @@
+// statistics.csv: a row a time step, there as soon as the step is done.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+struct StatisticsRow {
+  std::uint64_t step = 0;
+  double time = 0; ///< s, at the end of the step
+  std::uint64_t iterations = 0;
+  double residual = 0;                        ///< relative
+  double kinetic_energy = 0;                  ///< J
+  double elastic_energy = 0;                  ///< J
+  std::array<double, 3> momentum = {0, 0, 0}; ///< kg m/s
+  double ms_total = 0;
+  std::vector<double> ms_components; ///< in the order of the header
+};
+
+class StatisticsWriter {
+public:
+  /// Writes the header: step, time, iterations, residual, kinetic_energy, elastic_energy, momentum_x,
+  /// momentum_y, momentum_z, ms_total, then ms_<component>. Replaces what is there. Throws
+  /// Error(input_output).
+  StatisticsWriter(const std::filesystem::path& path, const std::vector<std::string>& components);
+  ~StatisticsWriter();
+  StatisticsWriter(const StatisticsWriter&) = delete;
+  StatisticsWriter& operator=(const StatisticsWriter&) = delete;
+
+  /// Writes a row, with the shortest digits that read back as the same doubles. A row that does not fit on
+  /// the disk is taken back whole. Throws Error(input_output).
+  void append(const StatisticsRow& row);
+
+private:
+  void write(const std::string& line);
+  std::filesystem::path path_;
+  std::size_t components_;
+  int file_ = -1;
+  std::int64_t size_ = 0;
+};
+
+} // namespace pliant

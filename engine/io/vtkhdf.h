@@ -1,0 +1,51 @@
+// One block of a VTKHDF file: temporal PolyData in flat arrays that grow by a frame at a time.
+// Versions 2.0 and 2.1 of the format; sizes and offsets are 64-bit integers, arrays 32-bit floats.
+#pragma once
+
+#include "engine/io/hdf5.h"
+#include "engine/io/run_writer.h"
+
+namespace pliant {
+
+/// Writes Version and the block's Type as VTK's reader expects them.
+void write_vtkhdf_head(h5::Group& group, const std::string& type, std::int64_t minor_version);
+
+class VtkHdfBlock {
+public:
+  /// Creates the datasets in an empty group. A surface's topology is written here, once.
+  VtkHdfBlock(h5::Group group, const BodyOutput& body, std::int64_t minor_version);
+  /// Appends the points and fields; they do not count before append_step().
+  void append_data(const BodyFrame& frame);
+  /// Appends the row of steps for the data appended last, at `time` seconds.
+  void append_step(double time);
+  /// Makes views of the rows appended last: `folder`/position, `folder`/<field>. Nothing for an empty frame.
+  void append_views(h5::Group& root, const std::string& folder) const;
+
+  h5::Group& group() { return group_; }
+  std::uint64_t first() const { return first_; } ///< row of the frame appended last
+  std::uint64_t count() const { return count_; } ///< its points
+  /// Upper bound on the growth of the file by a frame of so many points, bytes.
+  std::uint64_t growth(std::uint64_t points) const;
+
+private:
+  struct Cells {
+    h5::Dataset counts, id_counts, connectivity, offsets;
+  };
+  Cells create_cells(const std::string& name);
+  void append_topology();
+
+  h5::Group group_;
+  std::vector<FieldSpec> specs_;
+  bool cloud_;
+  std::uint64_t chunk_rows_;
+  h5::Dataset points_, point_counts_;
+  std::vector<h5::Dataset> fields_;
+  std::vector<Cells> cells_; ///< Vertices, Lines, Polygons, Strips
+  h5::Group steps_;
+  h5::Dataset values_, part_offsets_, part_counts_, point_offsets_, cell_offsets_, id_offsets_;
+  std::vector<h5::Dataset> field_offsets_;
+  std::uint64_t first_ = 0, count_ = 0, steps_written_ = 0;
+  std::int64_t cells_before_ = 0; ///< poly-vertex cells of earlier steps
+};
+
+} // namespace pliant
