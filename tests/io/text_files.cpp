@@ -1,0 +1,160 @@
+// statistics.csv, the run's folder, and text files that are never half there.
+#include "engine/core/error.h"
+#include "engine/io/folder.h"
+#include "engine/io/statistics_writer.h"
+#include "tests/io/support.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fstream>
+#include <sstream>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+using namespace pliant;
+using pliant::test::ScratchFolder;
+using testing::HasSubstr;
+
+namespace {
+
+std::vector<std::string> split(const std::string& text, char mark) {
+  std::vector<std::string> parts;
+  std::stringstream stream(text);
+  for (std::string part; std::getline(stream, part, mark);) parts.push_back(part);
+  return parts;
+}
+
+std::string refusal(const std::filesystem::path& folder) {
+  try {
+    prepare_output_folder(folder);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::input_output);
+    return error.what();
+  }
+  return "accepted";
+}
+
+} // namespace
+
+TEST(Statistics, RowsReadBackAsTheSameDoubles) {
+  ScratchFolder folder;
+  const auto path = folder.path / "statistics.csv";
+  StatisticsWriter writer(path, {"elasticity", "contacts"});
+  const StatisticsRow row = {7,    1.0 / 30,      12, 1e-3 / 3, 0.1, 2e-300, {-0.0, 1.0 / 3, 1e22},
+                             3.25, {0.1 + 0.2, 5}};
+  writer.append(row);
+  // The file is read while the writer still lives: a row is there as soon as it is appended.
+  const auto lines = split(read_text_file(path), '\n');
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0],
+            "step,time,iterations,residual,kinetic_energy,elastic_energy,momentum_x,momentum_y,momentum_z,"
+            "ms_total,ms_elasticity,ms_contacts");
+  const auto cells = split(lines[1], ',');
+  const std::vector<double> wanted = {7,    1.0 / 30, 12,   1e-3 / 3, 0.1,       2e-300,
+                                      -0.0, 1.0 / 3,  1e22, 3.25,     0.1 + 0.2, 5};
+  ASSERT_EQ(cells.size(), wanted.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) EXPECT_EQ(std::stod(cells[i]), wanted[i]) << cells[i];
+  EXPECT_THROW(writer.append({}), Error); // no components
+}
+
+TEST(Statistics, AFullDiskTakesBackTheHalfRow) {
+  ScratchFolder folder;
+  const auto path = folder.path / "statistics.csv";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit = {400, 400};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    int status = 0;
+    try {
+      StatisticsWriter writer(path, {});
+      for (std::uint64_t k = 0; k < 100; ++k) writer.append({k, 0.125, 3, 0.5, 1, 2, {3, 4, 5}, 6, {}});
+    } catch (const Error& error) {
+      status = static_cast<int>(error.code());
+    }
+    ::_exit(status);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 5);
+  const std::string text = read_text_file(path);
+  EXPECT_EQ(text.back(), '\n');
+  const auto lines = split(text, '\n');
+  EXPECT_GT(lines.size(), 5u);
+  for (std::size_t i = 1; i < lines.size(); ++i)
+    EXPECT_EQ(lines[i], std::to_string(i - 1) + ",0.125,3,0.5,1,2,3,4,5,6");
+}
+
+TEST(Folder, IsMadeOrAcceptedWhereEmpty) {
+  ScratchFolder folder;
+  EXPECT_EQ(refusal(folder.path / "a" / "b"), "accepted");
+  EXPECT_TRUE(std::filesystem::is_directory(folder.path / "a" / "b"));
+  EXPECT_EQ(refusal(folder.path / "a" / "b"), "accepted");
+}
+
+TEST(Folder, RefusesAnOccupiedOneAndSaysWhatToDo) {
+  ScratchFolder folder;
+  std::ofstream(folder.path / "run.json") << "{}";
+  const std::string said = refusal(folder.path);
+  EXPECT_THAT(said, HasSubstr("not empty (it holds run.json)"));
+  EXPECT_THAT(said, HasSubstr("--resume"));
+  EXPECT_THAT(refusal(folder.path / "run.json"), HasSubstr("it is a file"));
+  EXPECT_EQ(read_text_file(folder.path / "run.json"), "{}");
+}
+
+TEST(Folder, SaysWhyItCannotBeMade) {
+  ScratchFolder folder;
+  std::ofstream(folder.path / "file") << "";
+  EXPECT_THAT(refusal(folder.path / "file" / "under"), HasSubstr("Not a directory"));
+  EXPECT_THAT(refusal("/proc/pliant-cannot-be-here"),
+              HasSubstr("/proc/pliant-cannot-be-here: No such file or directory"));
+  if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere: permissions are not tried";
+  ::chmod(folder.path.c_str(), 0500);
+  EXPECT_THAT(refusal(folder.path / "new"), HasSubstr("Permission denied"));
+  ::chmod(folder.path.c_str(), 0700);
+}
+
+TEST(TextFile, IsReplacedWholeAndLeavesNoDraft) {
+  ScratchFolder folder;
+  const auto path = folder.path / "run.json";
+  write_text_file(path, "first");
+  write_text_file(path, "");
+  EXPECT_EQ(read_text_file(path), "");
+  const std::string large(300000, 'x');
+  write_text_file(path, large);
+  EXPECT_EQ(read_text_file(path), large);
+  std::size_t files = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path)) ++files;
+  EXPECT_EQ(files, 1u);
+  EXPECT_THROW(write_text_file(folder.path / "no" / "where", "x"), Error);
+  EXPECT_THROW(read_text_file(folder.path / "missing"), Error);
+}
+
+TEST(TextFile, AFullDiskLeavesTheOldText) {
+  ScratchFolder folder;
+  const auto path = folder.path / "run.json";
+  write_text_file(path, "old");
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit = {1000, 1000};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    int status = 0;
+    try {
+      write_text_file(path, std::string(5000, 'n'));
+    } catch (const Error& error) {
+      status = std::string(error.what()).find("File too large") != std::string::npos
+                   ? static_cast<int>(error.code())
+                   : 1;
+    }
+    ::_exit(status);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 5);
+  EXPECT_EQ(read_text_file(path), "old");
+  EXPECT_FALSE(std::filesystem::exists(folder.path / "run.json.tmp"));
+}
