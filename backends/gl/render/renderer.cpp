@@ -19,6 +19,7 @@
 #include "engine/core/error.h"
 #include "engine/scene/sample.h"
 
+#include <Eigen/Geometry>
 #include <glad/gl.h>
 
 #include <algorithm>
@@ -177,9 +178,10 @@ public:
       // Places of a low-discrepancy sequence (Roberts 2018) around the pixel's middle.
       const Eigen::Vector2d jitter =
           targets.passes == 1
-              ? Eigen::Vector2d::Zero()
-              : Eigen::Vector2d(std::fmod(0.5 + 0.7548776662 * pass, 1.0) - 0.5,
-                                std::fmod(0.5 + 0.5698402910 * pass, 1.0) - 0.5) / std::sqrt(double(targets.samples));
+              ? Eigen::Vector2d(0, 0)
+              : Eigen::Vector2d(Eigen::Vector2d(std::fmod(0.5 + 0.7548776662 * pass, 1.0) - 0.5,
+                                std::fmod(0.5 + 0.5698402910 * pass, 1.0) - 0.5) /
+                                std::sqrt(double(targets.samples)));
       fill_view(block_, stage_, targets.width, targets.height, jitter);
       block_.sizes[0] = static_cast<float>(radius_);
       block_.sizes[3] = static_cast<float>(targets.samples);
