@@ -32,7 +32,7 @@ vec3 plane_colour(vec3 place, vec3 normal, vec3 ray, float along) {
   float pixel = along / (ray_right.w * up.w), graze = max(abs(dot(normal, normalize(ray))), 1e-4);
   vec2 heading = normalize(vec2(dot(ray, first), dot(ray, second)) + 1e-6);
   vec2 wide = pixel * sqrt(heading.yx * heading.yx + heading * heading / (graze * graze));
-  vec3 colour = mix(vec3(0.36, 0.365, 0.37), vec3(0.405, 0.405, 0.40), squares(at, wide));
+  vec3 colour = mix(vec3(0.355, 0.35, 0.345), vec3(0.40, 0.395, 0.385), squares(at, wide));
   float lines = max(line(at.x, wide.x, 0.012), line(at.y, wide.y, 0.012));
   return colour * (1.0 - 0.22 * lines);
 }

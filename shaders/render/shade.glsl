@@ -17,8 +17,8 @@ vec3 shade(vec3 albedo, vec3 normal, vec3 towards_eye, float sunlit, float open)
   vec3 colour = sun_colour * light * sunlit * (albedo + 0.5 * pi * highlight);
 
   float above = 0.5 + 0.5 * dot(normal, up.xyz);
-  vec3 around = mix(bounce, mix(haze, zenith, 0.55), above);
-  colour += albedo * around * open * 0.72;
+  vec3 around = mix(bounce, mix(haze, zenith, 0.4), above);
+  colour += albedo * around * open * 0.62;
 
   vec3 mirrored = reflect(-towards_eye, normal);
   float glance = 0.04 + 0.30 * pow(1.0 - view, 5.0);

@@ -11,6 +11,7 @@ layout(location = 0) out vec4 visible; // sun, sky, depth in radii of the caster
 
 const int blocker_taps = 9, shadow_taps = 10, sky_taps = 9;
 const float golden = 2.39996323;
+const float behind = 0.99999; // of the map: what lies farther is behind all casters alike
 
 vec2 spiral(int i, int count, float turn) {
   float angle = golden * float(i) + turn;
@@ -34,7 +35,7 @@ float sunlight(vec3 place, vec3 normal, float turn) {
   for (int i = 0; i < blocker_taps; ++i) {
     vec2 offset = spiral(i, blocker_taps, turn) * edge;
     float depth = textureLod(shadow_depth, at.xy + offset, 0.0).r;
-    if (depth < at.z + dot(slope, offset) - slack) {
+    if (depth < min(at.z + dot(slope, offset) - slack, behind)) {
       sum += depth;
       blockers += 1.0;
     }
@@ -44,7 +45,7 @@ float sunlight(vec3 place, vec3 normal, float turn) {
   float lit = 0.0;
   for (int i = 0; i < shadow_taps; ++i) {
     vec2 offset = spiral(i, shadow_taps, turn + 1.0) * wide;
-    lit += textureLod(shadow_test, vec3(at.xy + offset, at.z + dot(slope, offset) - slack), 0.0);
+    lit += textureLod(shadow_test, vec3(at.xy + offset, min(at.z + dot(slope, offset) - slack, behind)), 0.0);
   }
   return lit / float(shadow_taps);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "backends/openmp/device.h"
+#include "engine/core/error.h"
 #include "engine/io/png.h"
 #include "engine/render/renderer.h"
 #include "engine/scene/sample.h"

@@ -14,15 +14,15 @@ constexpr double degree = 3.14159265358979323846 / 180;
 // Share of the picture's width or height, whichever is filled first.
 constexpr double filled = 0.70;
 
-/// How far the box reaches in the picture: the largest |x| and |y| in normalised device units, and the middle.
+/// How far the points reach in the picture, in normalised device units.
 struct Extent {
   double left = 1e300, right = -1e300, bottom = 1e300, top = -1e300;
 };
 
-Extent extent(const View& view, const Box& box) {
+Extent extent(const View& view, const std::vector<Vector3>& points) {
   Extent result;
-  for (int i = 0; i < 8; ++i) {
-    const Vector3 d = box.corner(i) - view.eye;
+  for (const Vector3& point : points) {
+    const Vector3 d = point - view.eye;
     const double depth = std::max(d.dot(view.forward), 1e-9);
     const double x = d.dot(view.right) / (depth * view.tangent * view.aspect);
     const double y = d.dot(view.up) / (depth * view.tangent);
@@ -66,7 +66,7 @@ std::optional<Eigen::Vector4d> floor_under(const Scene& scene, const Vector3& up
   return best;
 }
 
-View frame(const Box& subject, const Vector3& up, double aspect) {
+View frame(const std::vector<Vector3>& points, const Box& subject, const Vector3& up, double aspect) {
   View view;
   view.aspect = aspect;
   view.tangent = std::tan(0.5 * 32 * degree);
@@ -88,7 +88,7 @@ View frame(const Box& subject, const Vector3& up, double aspect) {
   look(view, -towards, up);
   for (int i = 0; i < 40; ++i) {
     view.eye = target + distance * towards;
-    const Extent seen = extent(view, subject);
+    const Extent seen = extent(view, points);
     const double reach = 0.5 * std::max(seen.right - seen.left, seen.top - seen.bottom);
     target += 0.5 * distance * view.tangent *
               ((seen.left + seen.right) * aspect * view.right + (seen.bottom + seen.top) * view.up);
@@ -120,28 +120,31 @@ Eigen::Matrix4d View::world_to_clip(const Eigen::Vector2d& jitter) const {
   return clip;
 }
 
-Stage arrange(const Scene& scene, const Box& bodies, const std::vector<Box>& obstacles) {
+Stage arrange(const Scene& scene, const std::vector<Vector3>& points, const std::vector<Box>& obstacles) {
   Stage stage;
   const Vector3 gravity = scene.simulation.gravity;
   const bool falls = gravity.norm() > 1e-12;
   if (falls) stage.up = -gravity.normalized();
   const Vector3& up = stage.up;
 
-  stage.subject = bodies;
-  if (stage.subject.empty()) stage.subject.add(Vector3::Constant(-0.5)), stage.subject.add(Vector3::Constant(0.5));
-  const double size = std::max(stage.subject.radius(), 1e-6);
-  for (const Box& obstacle : obstacles) // what is of the bodies' size belongs to the picture
-    if (obstacle.radius() < 2.5 * size && (obstacle.centre() - stage.subject.centre()).norm() < 5 * size)
-      stage.subject.add(obstacle);
-  const std::optional<Eigen::Vector4d> floor = floor_under(scene, up, stage.subject);
-  if (falls && floor) {
-    const Box above = stage.subject;
-    for (int i = 0; i < 8; ++i) {
-      const Vector3 normal = floor->head<3>();
-      const double down = (normal.dot(above.corner(i)) - (*floor)[3]) / normal.dot(up);
-      if (down > 0 && down < 20 * size) stage.subject.add(above.corner(i) - down * up);
-    }
+  std::vector<Vector3> held = points;
+  if (held.empty()) held = {Vector3::Constant(-0.5), Vector3::Constant(0.5)};
+  Box bodies;
+  for (const Vector3& point : held) bodies.add(point);
+  const double size = std::max(bodies.radius(), 1e-6);
+  const std::optional<Eigen::Vector4d> floor = floor_under(scene, up, bodies);
+  if (falls && floor) { // all of them, fallen onto it as they are
+    double down = 1e300;
+    const Vector3 normal = floor->head<3>();
+    for (const Vector3& point : held) down = std::min(down, (normal.dot(point) - (*floor)[3]) / normal.dot(up));
+    const std::size_t count = held.size();
+    if (down > 0 && down < 20 * size)
+      for (std::size_t i = 0; i < count; ++i) held.push_back(held[i] - down * up);
   }
+  for (const Box& obstacle : obstacles)
+    if (obstacle.radius() < 2.5 * size && (obstacle.centre() - bodies.centre()).norm() < 5 * size)
+      for (int i = 0; i < 8; ++i) held.push_back(obstacle.corner(i));
+  for (const Vector3& point : held) stage.subject.add(point);
   if (scene.render.ground && !floor) {
     double lowest = 1e300;
     for (int i = 0; i < 8; ++i) lowest = std::min(lowest, up.dot(stage.subject.corner(i)));
@@ -156,7 +159,7 @@ Stage arrange(const Scene& scene, const Box& bodies, const std::vector<Box>& obs
     stage.view.tangent = std::tan(0.5 * camera.fov * degree);
     look(stage.view, camera.look - camera.eye, camera.up);
   } else {
-    stage.view = frame(stage.subject, up, aspect);
+    stage.view = frame(held, stage.subject, up, aspect);
   }
   View& view = stage.view;
   view.near = std::max(0.01 * (view.eye - stage.subject.centre()).norm(), 1e-3 * stage.subject.radius());
@@ -171,13 +174,22 @@ Stage arrange(const Scene& scene, const Box& bodies, const std::vector<Box>& obs
   return stage;
 }
 
-Box bodies_at_start(const Model& model) {
-  Box box;
-  for (const Vector3& point : model.position) {
-    box.add(point - Vector3::Constant(0.5 * model.spacing));
-    box.add(point + Vector3::Constant(0.5 * model.spacing));
-  }
-  return box;
+std::vector<Vector3> outline_at_start(const Model& model) {
+  std::vector<Vector3> points;
+  const auto add = [&](const std::vector<Vector3>& from) {
+    const std::size_t step = from.size() / 4000 + 1;
+    for (std::size_t i = 0; i < from.size(); i += step) points.push_back(from[i]);
+    for (int axis = 0; axis < 3 && !from.empty(); ++axis) { // the outermost are among them
+      const auto less = [axis](const Vector3& a, const Vector3& b) { return a[axis] < b[axis]; };
+      const auto [low, high] = std::minmax_element(from.begin(), from.end(), less);
+      points.push_back(*low - 0.5 * model.spacing * Vector3::Unit(axis));
+      points.push_back(*high + 0.5 * model.spacing * Vector3::Unit(axis));
+    }
+  };
+  add(model.position);
+  for (const BodyModel& body : model.bodies)
+    if (body.surface) add(body.surface->vertices);
+  return points;
 }
 
 Eigen::Matrix4d motion_matrix(const Motion& motion, double time) {

@@ -49,12 +49,12 @@ struct Stage {
 };
 
 /// Frames the bodies at the start and, where gravity takes them to a floor, on it: three quarters from the front,
-/// the horizon level, two thirds of the picture filled. `box` holds all bodies, `obstacles` the boundaries that are
-/// drawn whole.
-Stage arrange(const Scene& scene, const Box& bodies, const std::vector<Box>& obstacles);
+/// the horizon level, two thirds of the picture filled. `points`: what the picture must hold of the bodies;
+/// `obstacles`: boxes of boundaries, framed too where they are of the bodies' size.
+Stage arrange(const Scene& scene, const std::vector<Vector3>& points, const std::vector<Box>& obstacles);
 
-/// The box of the bodies at the start: particles and carried surfaces.
-Box bodies_at_start(const Model& model);
+/// Some of the particles and of the carried surfaces' vertices at the start: enough to frame them.
+std::vector<Vector3> outline_at_start(const Model& model);
 
 /// x(t) = c + R (x - c) + v t as a matrix, its times clamped to the motion's.
 Eigen::Matrix4d motion_matrix(const Motion& motion, double time);

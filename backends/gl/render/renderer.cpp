@@ -126,10 +126,7 @@ public:
     std::vector<Box> boxes;
     for (const Obstacle& one : assets_->obstacles)
       if (!one.inside) boxes.push_back(one.box);
-    Box bodies = bodies_at_start(model);
-    for (const BodyModel& body : model.bodies)
-      if (body.surface) bodies.add(box_of(*body.surface));
-    stage_ = arrange(scene, bodies, boxes);
+    stage_ = arrange(scene, outline_at_start(model), boxes);
     if (stage_.ground) planes_.push_back({stage_.ground->head<3>(), (*stage_.ground)[3], Motion{}});
     if (planes_.size() > max_planes)
       throw Error(ExitCode::usage, "the scene has " + std::to_string(planes_.size()) + " visible planes, and " +
