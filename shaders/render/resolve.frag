@@ -37,6 +37,8 @@ vec3 plane_colour(vec3 place, vec3 normal, vec3 ray, float along) {
   return colour * (1.0 - 0.22 * lines);
 }
 
+const ivec2 around[5] = ivec2[5](ivec2(0), ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), ivec2(0, -1));
+
 vec3 lit(ivec2 at, vec3 ray, vec4 normal, float depth, vec3 colour, bool edge) {
   if (normal.w == kind_sky) {
     vec3 towards = normalize(ray);
@@ -45,14 +47,15 @@ vec3 lit(ivec2 at, vec3 ray, vec4 normal, float depth, vec3 colour, bool edge) {
   float along = seen_depth(normal, depth, ray);
   vec3 place = eye.xyz + ray * along;
   vec4 visible = texelFetch(visibility, at, 0);
-  if (edge) { // of the pixels around, the one that lies nearest
-    float own = along / casters.w, best = abs(visible.z - own);
-    for (int i = 0; i < 4; ++i) {
-      ivec2 other = clamp(at + ivec2((i & 1) * 2 - 1, 0) * (1 - (i >> 1)) + ivec2(0, (i & 1) * 2 - 1) * (i >> 1),
-                          ivec2(0), ivec2(picture.xy) - 1);
-      vec4 found = texelFetch(visibility, other, 0);
-      if (abs(found.z - own) < 0.7 * best) {
-        best = abs(found.z - own);
+  if (edge) { // of the pixels around, the one that shows most nearly this surface
+    float least = 1e9;
+    for (int i = 0; i < 5; ++i) {
+      ivec2 other = clamp(at + around[i], ivec2(0), ivec2(picture.xy) - 1);
+      vec4 its_normal = texelFetch(normal_samples, other, 0), found = texelFetch(visibility, other, 0);
+      float off = 20.0 * abs(found.z * casters.w / along - 1.0) + distance(its_normal.xyz, normal.xyz);
+      off += its_normal.w == normal.w ? 0.0 : 4.0;
+      if (off < least) {
+        least = off;
         visible = found;
       }
     }

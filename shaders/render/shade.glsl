@@ -5,7 +5,7 @@
 const float roughness = 0.42;
 
 vec3 shade(vec3 albedo, vec3 normal, vec3 towards_eye, float sunlit, float open) {
-  float facing = dot(normal, to_sun.xyz), view = max(dot(normal, towards_eye), 1e-3);
+  float facing = dot(normal, to_sun.xyz), view = max(dot(normal, towards_eye), 0.12); // smooth normals may look away
   vec3 halfway = normalize(to_sun.xyz + towards_eye);
   float n_h = max(dot(normal, halfway), 0.0), v_h = max(dot(towards_eye, halfway), 0.0);
   float light = max(facing, 0.0);

@@ -1,6 +1,6 @@
 // The light that comes from everywhere: a clear sky above, a bright haze at the horizon.
 const vec3 sun_colour = vec3(1.0, 0.955, 0.885) * 1.16;
-const vec3 zenith = vec3(0.27, 0.43, 0.66);
+const vec3 zenith = vec3(0.28, 0.43, 0.64);
 const vec3 haze = vec3(0.72, 0.785, 0.84);
 const vec3 bounce = vec3(0.27, 0.255, 0.235); // from the ground
 

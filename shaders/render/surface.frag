@@ -1,6 +1,6 @@
 // What is seen of a mesh: colour and normal, turned towards the eye.
-in vec3 world_normal, colour;
-in float value;
+centroid in vec3 world_normal, colour;
+centroid in float value;
 layout(location = 0) out vec4 seen_colour;
 layout(location = 1) out vec4 seen_normal;
 

@@ -6,8 +6,8 @@ layout(location = 2) in vec3 own_colour; // linear
 uniform mat4 move;
 uniform bool shadow; // seen from the sun
 
-out vec3 world_normal, colour;
-out float value;
+centroid out vec3 world_normal, colour; // a pixel at a silhouette must not extrapolate
+centroid out float value;
 
 #include "render/frame.glsl"
 

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 
 namespace pliant::test {
 namespace {
@@ -21,10 +22,13 @@ protected:
   void draw(const std::string& name, const std::string& label = "") {
     const auto renderer = show.renderer(label);
     renderer->draw(*show.device, show.state());
+    const std::clock_t before = std::clock();
     const auto start = std::chrono::steady_clock::now();
     const Image image = renderer->draw(*show.device, show.state(0.5));
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    std::printf("%s: %zu particles, %.3f s\n", name.c_str(), show.model.count(), took.count());
+    const double work = double(std::clock() - before) / CLOCKS_PER_SEC;
+    std::printf("%s: %zu particles, %.3f s, of all processors %.3f s\n", name.c_str(), show.model.count(),
+                took.count(), work);
     keep(image, name);
   }
   Show show{gl::make_device(0)};
