@@ -75,23 +75,26 @@ void main() {
   int samples = int(sizes.w);
   vec3 ray = ray_through(gl_FragCoord.xy);
   vec4 normal = texelFetch(normal_samples, at, 0);
-  vec4 colour = texelFetch(colour_samples, at, 0);
   bool edge = false;
-  vec3 sum = colour.rgb;
   for (int i = 1; i < samples; ++i) {
     vec4 other = texelFetch(normal_samples, at, i);
     if (other.w != normal.w || distance(other.xyz, normal.xyz) > 0.35) edge = true;
-    sum += texelFetch(colour_samples, at, i).rgb;
   }
   vec3 result = vec3(0.0);
   if (!edge) {
-    colour.rgb = sum / float(samples);
-    float depth = texelFetch(depth_samples, at, 0).r;
-    result = to_srgb(tone(lit(at, ray, normal, depth, colour.rgb * colour.rgb, false)));
+    vec3 colour = vec3(0.0);
+    float depth = 0.0;
+    if (normal.w == kind_body) {
+      for (int i = 0; i < samples; ++i) colour += texelFetch(colour_samples, at, i).rgb;
+      colour /= float(samples);
+      depth = texelFetch(depth_samples, at, 0).r;
+    }
+    result = to_srgb(tone(lit(at, ray, normal, depth, colour * colour, false)));
   } else {
     for (int i = 0; i < samples; ++i) {
-      vec3 one = texelFetch(colour_samples, at, i).rgb;
-      result += tone(lit(at, ray, texelFetch(normal_samples, at, i), texelFetch(depth_samples, at, i).r, one * one, true));
+      vec3 colour = texelFetch(colour_samples, at, i).rgb;
+      float depth = texelFetch(depth_samples, at, i).r;
+      result += tone(lit(at, ray, texelFetch(normal_samples, at, i), depth, colour * colour, true));
     }
     result = to_srgb(result / float(samples));
   }

@@ -21,7 +21,7 @@ vec3 shade(vec3 albedo, vec3 normal, vec3 towards_eye, float sunlit, float open)
   colour += albedo * around * open * 0.62;
 
   vec3 mirrored = reflect(-towards_eye, normal);
-  float glance = 0.04 + 0.30 * pow(1.0 - view, 5.0);
+  float glance = 0.04 + 0.14 * pow(1.0 - view, 5.0);
   float lifted = smoothstep(-0.35, 0.35, dot(mirrored, up.xyz));
   colour += mix(bounce, sky(mirrored), lifted) * glance * open * open * 0.6;
   return colour;

@@ -11,13 +11,13 @@ void main() {
   visible = texelFetch(rough, at, 0);
   vec4 normal = texelFetch(normal_samples, at, 0);
   if (normal.w == kind_sky) return;
-  vec3 ray = ray_through(gl_FragCoord.xy);
+  vec3 ray = ray_through(first_sample(gl_FragCoord.xy));
   float facing = dot(normal.xyz, ray), own = visible.z;
   vec3 sum = vec3(visible.xy, 1.0) * 1e-3;
   for (int i = -2; i < 2; ++i) {
     ivec2 other = clamp(at + i * direction, ivec2(0), last);
     vec4 found = texelFetch(rough, other, 0);
-    float slope = dot(normal.xyz, ray_through(vec2(other) + 0.5));
+    float slope = dot(normal.xyz, ray_through(first_sample(vec2(other) + 0.5)));
     float expected = slope * facing > 0.0 ? own * facing / slope : own;
     float weight = max(0.0, 1.0 - abs(found.z - expected) / (0.012 * own + 0.01));
     sum += vec3(found.xy, 1.0) * weight;

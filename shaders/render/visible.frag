@@ -57,7 +57,7 @@ float openness(vec3 place, vec3 normal, vec2 pixel, float along, float turn) {
   for (int i = 0; i < sky_taps; ++i) {
     vec2 other = clamp(floor(pixel + spiral(i, sky_taps, turn) * wide), vec2(0.0), picture.xy - 1.0) + 0.5;
     float depth = texelFetch(depth_samples, ivec2(other), 0).r;
-    vec3 between = eye.xyz + ray_through(other) * depth_from(depth) - place;
+    vec3 between = eye.xyz + ray_through(first_sample(other)) * depth_from(depth) - place;
     float distance2 = dot(between, between), height = dot(between, normal);
     float near = max(1.0 - distance2 / (radius * radius), 0.0);
     sum += near * near * near * max((height - 0.02 * radius) / (distance2 + 1e-3 * radius * radius), 0.0);
@@ -70,7 +70,7 @@ void main() {
   vec4 normal = texelFetch(normal_samples, at, 0);
   visible = vec4(1.0, 1.0, 60000.0, 0.0);
   if (normal.w == kind_sky) return;
-  vec3 ray = ray_through(gl_FragCoord.xy);
+  vec3 ray = ray_through(first_sample(gl_FragCoord.xy));
   float along = seen_depth(normal, texelFetch(depth_samples, at, 0).r, ray);
   visible.z = min(along / casters.w, 60000.0);
   vec3 place = eye.xyz + ray * along;

@@ -180,8 +180,8 @@ public:
                                 std::fmod(0.5 + 0.5698402910 * pass, 1.0) - 0.5) /
                                 std::sqrt(double(targets.samples)));
       fill_view(block_, stage_, targets.width, targets.height, jitter);
-      block_.sizes[0] = static_cast<float>(radius_);
-      block_.sizes[3] = static_cast<float>(targets.samples);
+      block_.axis[3] = targets.first_sample[0];
+      block_.ray_up[3] = targets.first_sample[1];
       upload_frame(state.time);
       if (pass == 0) draw_shadow(meshes, particles ? runs : none_, motions);
       draw_samples(meshes, particles ? runs : none_, motions, state.time);

@@ -94,6 +94,10 @@ Targets::Targets(const Context& context, unsigned w, unsigned h, unsigned wanted
   tie(seen, {{GL_COLOR_ATTACHMENT0, &colour, GL_TEXTURE_2D_MULTISAMPLE},
              {GL_COLOR_ATTACHMENT1, &normal, GL_TEXTURE_2D_MULTISAMPLE},
              {GL_DEPTH_ATTACHMENT, &depth, GL_TEXTURE_2D_MULTISAMPLE}});
+  gl.BindFramebuffer(GL_FRAMEBUFFER, seen.name());
+  gl.GetMultisamplefv(GL_SAMPLE_POSITION, 0, first_sample);
+  for (float& place : first_sample) place -= 0.5f;
+  if (gl.GetError() != GL_NO_ERROR) first_sample[0] = first_sample[1] = 0; // one sample a pixel: the middle
   tie(sun, {{GL_DEPTH_ATTACHMENT, &shadow, GL_TEXTURE_2D}});
   tie(roughly, {{GL_COLOR_ATTACHMENT0, &rough, GL_TEXTURE_2D}});
   tie(halfway, {{GL_COLOR_ATTACHMENT0, &between, GL_TEXTURE_2D}});

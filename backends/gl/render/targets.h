@@ -14,6 +14,7 @@ struct Targets {
   unsigned width, height;
   unsigned samples; ///< of a pixel, in one drawing: what the device has, at most those wanted
   unsigned passes;  ///< drawings that together have the samples wanted
+  float first_sample[2] = {0, 0}; ///< pixels from a pixel's middle
   Texture colour, normal, depth;  ///< multisampled
   Texture shadow, rough, between, sum;
   Framebuffer seen, sun, roughly, halfway, summed;
