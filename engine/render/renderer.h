@@ -24,16 +24,16 @@ struct RenderState {
 class Renderer {
 public:
   virtual ~Renderer() = default;
-  /// A picture of scene.render.size, 3 channels. Bodies whose mesh is not drawn, and all where `vertex` is null, are
-  /// drawn as spheres. The same state gives the same picture, except that a field's range, where the scene gives
-  /// none, is the widest drawn so far.
+  /// A picture of scene.render.size, 3 channels. Bodies whose mesh is not drawn, and all where `vertex` is
+  /// null, are drawn as spheres. The same state gives the same picture, except that a field's range, where
+  /// the scene gives none, is the widest drawn so far.
   virtual Image draw(Device& simulation, const RenderState& state) = 0;
 };
 
 /// The boundaries' motions are evaluated at RenderState::time. `field_label` names the field and its unit for
-/// the legend when scene.render.color is not "body". The device must outlive the renderer. Throws Error(no_device)
-/// naming the package to install; Error(usage) for a picture larger than the device can draw; Error(too_large) for
-/// more particles than it can draw.
+/// the legend when scene.render.color is not "body". The device must outlive the renderer. Throws
+/// Error(no_device) naming the package to install; Error(usage) for a picture larger than the device can
+/// draw; Error(too_large) for more particles than it can draw.
 std::unique_ptr<Renderer> make_renderer(Device& simulation, const Scene& scene, const Model& model,
                                         const std::string& field_label = "");
 

@@ -1,4 +1,5 @@
-// Larger pictures, for people to look at, with the time they take: only where PLIANT_TEST_PICTURES names a folder.
+// Larger pictures, for people to look at, with the time they take: only where PLIANT_TEST_PICTURES names a
+// folder.
 #include "stage.h"
 
 #include "backends/gl/gl_device.h"
@@ -16,7 +17,8 @@ namespace {
 class Gallery : public testing::Test {
 protected:
   void SetUp() override {
-    if (!std::getenv("PLIANT_TEST_PICTURES")) GTEST_SKIP() << "set PLIANT_TEST_PICTURES to a folder to see pictures";
+    if (!std::getenv("PLIANT_TEST_PICTURES"))
+      GTEST_SKIP() << "set PLIANT_TEST_PICTURES to a folder to see pictures";
     show.scene.render.size = {1280, 720};
   }
   void draw(const std::string& name, const std::string& label = "") {
@@ -39,7 +41,8 @@ Mesh placed(const std::string& name, double size, const Vector3& foot, double tu
   Mesh mesh = read_mesh(std::filesystem::path(home ? home : "") / ".cache/pliant/meshes" / name);
   Vector3 low = mesh.vertices[0], high = low;
   for (Vector3& v : mesh.vertices) {
-    v = Vector3(std::cos(turn) * v.x() + std::sin(turn) * v.z(), v.y(), -std::sin(turn) * v.x() + std::cos(turn) * v.z());
+    v = Vector3(std::cos(turn) * v.x() + std::sin(turn) * v.z(), v.y(),
+                -std::sin(turn) * v.x() + std::cos(turn) * v.z());
     low = low.cwiseMin(v);
     high = high.cwiseMax(v);
   }

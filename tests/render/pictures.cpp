@@ -17,7 +17,9 @@ namespace {
 using gl::arrange;
 using gl::Stage;
 
-Stage stage_of(const Show& show) { return arrange(show.scene, gl::outline_at_start(show.model), {}); }
+Stage stage_of(const Show& show) {
+  return arrange(show.scene, gl::outline_at_start(show.model), {});
+}
 
 std::array<int, 3> pixel_at(const Show& show, const Image& image, const Vector3& world) {
   const Vector3 at = stage_of(show).view.project(world, image.width, image.height);
@@ -41,7 +43,9 @@ Show globe_on_floor(std::unique_ptr<Device> device = openmp::make_device(Precisi
   return show;
 }
 
-bool red(const std::array<int, 3>& p) { return p[0] > 1.5 * p[1] && p[0] > 1.5 * p[2]; }
+bool red(const std::array<int, 3>& p) {
+  return p[0] > 1.5 * p[1] && p[0] > 1.5 * p[2];
+}
 
 void expect_body_and_shadow(const Show& show, const Image& image) {
   ASSERT_EQ(image.width, 320u);
@@ -49,7 +53,8 @@ void expect_body_and_shadow(const Show& show, const Image& image) {
   ASSERT_EQ(image.channels, 3u);
   const Stage stage = stage_of(show);
   EXPECT_TRUE(red(pixel_at(show, image, {0, 0.5, 0})));
-  for (const double side : {-0.4, 0.4}) EXPECT_TRUE(red(pixel_at(show, image, Vector3(0, 0.5, 0) + side * stage.view.right)));
+  for (const double side : {-0.4, 0.4})
+    EXPECT_TRUE(red(pixel_at(show, image, Vector3(0, 0.5, 0) + side * stage.view.right)));
   for (const double side : {-0.75, 0.75})
     EXPECT_FALSE(red(pixel_at(show, image, Vector3(0, 0.5, 0) + side * stage.view.right)));
 
@@ -141,7 +146,8 @@ TEST(Picture, FieldColoursRiseWithTheField) {
   double before = -1e9;
   for (const double height : {0.22, 0.42, 0.62, 0.82, 1.02}) {
     const double reach = std::sqrt(std::max(0.0, 0.25 - (height - 0.6) * (height - 0.6)));
-    const Vector3 front = Vector3(0, height, 0) - reach * Vector3(stage.view.forward.x(), 0, stage.view.forward.z()).normalized();
+    const Vector3 front = Vector3(0, height, 0) -
+                          reach * Vector3(stage.view.forward.x(), 0, stage.view.forward.z()).normalized();
     const auto p = pixel_at(show, image, front);
     const double green = (p[1] - p[2]) / double(p[1] + p[2] + 1);
     EXPECT_GT(green, before) << height;
@@ -154,7 +160,8 @@ TEST(Picture, FieldColoursRiseWithTheField) {
   const auto find = [&](const Colour& c) {
     for (unsigned y = 0; y < image.height; ++y)
       for (unsigned x = image.width * 2 / 3; x < image.width; ++x)
-        if (const auto p = pixel(image, x, y); std::abs(p[0] - c[0]) + std::abs(p[1] - c[1]) + std::abs(p[2] - c[2]) < 8)
+        if (const auto p = pixel(image, x, y);
+            std::abs(p[0] - c[0]) + std::abs(p[1] - c[1]) + std::abs(p[2] - c[2]) < 8)
           return std::pair<int, int>(int(x), int(y));
     return std::pair<int, int>(-1, -1);
   };
@@ -189,17 +196,22 @@ TEST(Picture, MovingBoundaryMoves) {
   around.add(Vector3(-0.5, 0.4, 0.3));
   const Stage stage = arrange(show.scene, gl::outline_at_start(show.model), {around});
   const auto renderer = show.renderer();
-  const Image start = renderer->draw(*show.device, show.state(0)), later = renderer->draw(*show.device, show.state(2)),
+  const Image start = renderer->draw(*show.device, show.state(0)),
+              later = renderer->draw(*show.device, show.state(2)),
               after = renderer->draw(*show.device, show.state(3));
   keep(start, "test-boundary0");
   keep(later, "test-boundary2");
   EXPECT_NE(start.pixels, later.pixels);
   EXPECT_EQ(later.pixels, after.pixels); // its motion has ended
-  // A side of the box is coloured otherwise than the floor that is seen once it has gone, and the other way round.
-  for (const auto& [y, first, second] : {std::tuple(0.15, &start, &later), std::tuple(0.55, &later, &start)}) {
+  // A side of the box is coloured otherwise than the floor that is seen once it has gone, and the other way
+  // round.
+  for (const auto& [y, first, second] :
+       {std::tuple(0.15, &start, &later), std::tuple(0.55, &later, &start)}) {
     const Vector3 at = stage.view.project({-0.6, y, 0.3}, 320, 240);
     const auto with = pixel(*first, at.x(), at.y()), without = pixel(*second, at.x(), at.y());
-    EXPECT_GT(std::abs(with[0] - without[0]) + std::abs(with[1] - without[1]) + std::abs(with[2] - without[2]), 20) << y;
+    EXPECT_GT(
+        std::abs(with[0] - without[0]) + std::abs(with[1] - without[1]) + std::abs(with[2] - without[2]), 20)
+        << y;
   }
 }
 

@@ -96,7 +96,8 @@ inline Mesh globe(const Vector3& centre, double radius, unsigned rings = 24) {
   for (unsigned r = 1; r < rings; ++r)
     for (unsigned s = 0; s < segments; ++s) {
       const double a = pi * r / rings, b = 2 * pi * s / segments;
-      mesh.vertices.push_back(centre + radius * Vector3(std::sin(a) * std::sin(b), std::cos(a), std::sin(a) * std::cos(b)));
+      mesh.vertices.push_back(
+          centre + radius * Vector3(std::sin(a) * std::sin(b), std::cos(a), std::sin(a) * std::cos(b)));
     }
   mesh.vertices.push_back(centre - Vector3(0, radius, 0));
   const auto at = [&](unsigned r, unsigned s) { return 1 + (r - 1) * segments + s % segments; };
@@ -116,7 +117,9 @@ inline std::array<int, 3> pixel(const Image& image, double x, double y) {
   const std::uint8_t* p = image.at(static_cast<unsigned>(x), static_cast<unsigned>(y));
   return {p[0], p[1], p[2]};
 }
-inline double brightness(const std::array<int, 3>& p) { return 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2]; }
+inline double brightness(const std::array<int, 3>& p) {
+  return 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2];
+}
 
 /// Keeps a picture for people where PLIANT_TEST_PICTURES names a folder.
 inline void keep(const Image& image, const std::string& name) {

@@ -1,6 +1,8 @@
 // Frames a scene.
 #include "backends/gl/render/camera.h"
 
+#include "backends/gl/render/legend.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -66,7 +68,9 @@ std::optional<Eigen::Vector4d> floor_under(const Scene& scene, const Vector3& up
   return best;
 }
 
-View frame(const std::vector<Vector3>& points, const Box& subject, const Vector3& up, double aspect) {
+/// `legend`: share of the picture's width, at its right, that the subject leaves free.
+View frame(const std::vector<Vector3>& points, const Box& subject, const Vector3& up, double aspect,
+           double legend) {
   View view;
   view.aspect = aspect;
   view.tangent = std::tan(0.5 * 32 * degree);
@@ -89,9 +93,10 @@ View frame(const std::vector<Vector3>& points, const Box& subject, const Vector3
   for (int i = 0; i < 40; ++i) {
     view.eye = target + distance * towards;
     const Extent seen = extent(view, points);
-    const double reach = 0.5 * std::max(seen.right - seen.left, seen.top - seen.bottom);
-    target += 0.5 * distance * view.tangent *
-              ((seen.left + seen.right) * aspect * view.right + (seen.bottom + seen.top) * view.up);
+    const double reach = 0.5 * std::max((seen.right - seen.left) / (1 - legend), seen.top - seen.bottom);
+    target +=
+        0.5 * distance * view.tangent *
+        ((seen.left + seen.right + 2 * legend) * aspect * view.right + (seen.bottom + seen.top) * view.up);
     distance = std::max(distance * (0.5 + 0.5 * reach / filled), 1.2 * radius);
   }
   view.eye = target + distance * towards;
@@ -136,7 +141,8 @@ Stage arrange(const Scene& scene, const std::vector<Vector3>& points, const std:
   if (falls && floor) { // all of them, fallen onto it as they are
     double down = 1e300;
     const Vector3 normal = floor->head<3>();
-    for (const Vector3& point : held) down = std::min(down, (normal.dot(point) - (*floor)[3]) / normal.dot(up));
+    for (const Vector3& point : held)
+      down = std::min(down, (normal.dot(point) - (*floor)[3]) / normal.dot(up));
     const std::size_t count = held.size();
     if (down > 0 && down < 20 * size)
       for (std::size_t i = 0; i < count; ++i) held.push_back(held[i] - down * up);
@@ -151,6 +157,9 @@ Stage arrange(const Scene& scene, const std::vector<Vector3>& points, const std:
     stage.ground = Eigen::Vector4d(up.x(), up.y(), up.z(), lowest);
   }
 
+  const bool field = scene.render.color != "body";
+  const double legend =
+      field ? std::min(14 * legend_unit(scene.render.size[1]) / scene.render.size[0], 0.3) : 0;
   const double aspect = double(scene.render.size[0]) / scene.render.size[1];
   if (scene.render.camera) {
     const Camera& camera = *scene.render.camera;
@@ -159,7 +168,7 @@ Stage arrange(const Scene& scene, const std::vector<Vector3>& points, const std:
     stage.view.tangent = std::tan(0.5 * camera.fov * degree);
     look(stage.view, camera.look - camera.eye, camera.up);
   } else {
-    stage.view = frame(held, stage.subject, up, aspect);
+    stage.view = frame(held, stage.subject, up, aspect, legend);
   }
   View& view = stage.view;
   view.near = std::max(0.01 * (view.eye - stage.subject.centre()).norm(), 1e-3 * stage.subject.radius());
@@ -170,7 +179,8 @@ Stage arrange(const Scene& scene, const std::vector<Vector3>& points, const std:
   side.normalize();
   Vector3 back = side.cross(up);
   if (back.dot(view.forward) > 0) back = -back;
-  stage.to_sun = (std::sin(50 * degree) * up + std::cos(50 * degree) * (0.80 * -side + 0.60 * back)).normalized();
+  stage.to_sun =
+      (std::sin(50 * degree) * up + std::cos(50 * degree) * (0.80 * -side + 0.60 * back)).normalized();
   return stage;
 }
 

@@ -29,9 +29,9 @@ struct Box {
 struct View {
   Vector3 eye = Vector3::Zero();
   Vector3 right = {1, 0, 0}, up = {0, 1, 0}, forward = {0, 0, -1}; ///< orthonormal
-  double tangent = 0.36; ///< of half the vertical field of view
-  double aspect = 1;     ///< width / height
-  double near = 0.01;    ///< m
+  double tangent = 0.36;                                           ///< of half the vertical field of view
+  double aspect = 1;                                               ///< width / height
+  double near = 0.01;                                              ///< m
 
   /// Pixel (from the upper left, first pixel's centre at 0.5) and depth along the view axis, m.
   Vector3 project(const Vector3& world, unsigned width, unsigned height) const;
@@ -42,15 +42,16 @@ struct View {
 /// What does not change from picture to picture.
 struct Stage {
   View view;
-  Vector3 up = {0, 1, 0};                ///< against gravity, unit
-  Vector3 to_sun = {0, 1, 0};            ///< unit
-  Box subject;                           ///< the bodies, and where they fall
-  std::optional<Eigen::Vector4d> ground; ///< unit normal and offset, where no plane of the scene is the ground
+  Vector3 up = {0, 1, 0};     ///< against gravity, unit
+  Vector3 to_sun = {0, 1, 0}; ///< unit
+  Box subject;                ///< the bodies, and where they fall
+  std::optional<Eigen::Vector4d>
+      ground; ///< unit normal and offset, where no plane of the scene is the ground
 };
 
-/// Frames the bodies at the start and, where gravity takes them to a floor, on it: three quarters from the front,
-/// the horizon level, two thirds of the picture filled. `points`: what the picture must hold of the bodies;
-/// `obstacles`: boxes of boundaries, framed too where they are of the bodies' size.
+/// Frames the bodies at the start and, where gravity takes them to a floor, on it: three quarters from the
+/// front, the horizon level, two thirds of the picture filled. `points`: what the picture must hold of the
+/// bodies; `obstacles`: boxes of boundaries, framed too where they are of the bodies' size.
 Stage arrange(const Scene& scene, const std::vector<Vector3>& points, const std::vector<Box>& obstacles);
 
 /// Some of the particles and of the carried surfaces' vertices at the start: enough to frame them.

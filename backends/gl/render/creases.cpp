@@ -17,7 +17,8 @@ DrawnMesh split_creases(const Mesh& mesh, double degrees) {
   std::vector<Vector3> normals;
   std::vector<std::uint32_t> begin(mesh.vertices.size() + 1, 0);
   for (const auto& t : mesh.triangles) {
-    const Vector3 cross = (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+    const Vector3 cross =
+        (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
     normals.push_back(cross.normalized());
     for (const std::uint32_t v : t) ++begin[v + 1];
   }

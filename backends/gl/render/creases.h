@@ -1,4 +1,5 @@
-// A mesh as it is drawn: each vertex once for every smooth patch around it, so that an edge of a box stays sharp.
+// A mesh as it is drawn: each vertex once for every smooth patch around it, so that an edge of a box stays
+// sharp.
 #pragma once
 
 #include "engine/scene/mesh.h"

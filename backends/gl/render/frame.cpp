@@ -11,7 +11,8 @@ namespace pliant::gl {
 namespace {
 
 FrameBlock::Vector4 pack(const Vector3& v, double w) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), static_cast<float>(w)};
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()),
+          static_cast<float>(w)};
 }
 
 std::array<float, 16> pack(const Eigen::Matrix4d& m) {
@@ -29,7 +30,8 @@ double round_down(double value) {
 
 } // namespace
 
-void fill_view(FrameBlock& block, const Stage& stage, unsigned width, unsigned height, const Eigen::Vector2d& jitter) {
+void fill_view(FrameBlock& block, const Stage& stage, unsigned width, unsigned height,
+               const Eigen::Vector2d& jitter) {
   const View& view = stage.view;
   const Eigen::Vector2d device(2 * jitter.x() / width, 2 * jitter.y() / height);
   const Vector3 right = view.right * view.tangent * view.aspect, up = view.up * view.tangent;
@@ -57,7 +59,8 @@ void fill_shadow(FrameBlock& block, const Stage& stage, const Box& casters, unsi
   if (box.empty()) box = stage.subject;
 
   const Vector3 z = -stage.to_sun;
-  const Vector3 x = (std::abs(z.dot(stage.up)) < 0.99 ? Vector3(stage.up.cross(z)) : z.unitOrthogonal()).normalized();
+  const Vector3 x =
+      (std::abs(z.dot(stage.up)) < 0.99 ? Vector3(stage.up.cross(z)) : z.unitOrthogonal()).normalized();
   const Vector3 y = z.cross(x);
   Vector3 low = Vector3::Constant(1e300), high = -low;
   for (int i = 0; i < 8; ++i) {
@@ -67,7 +70,8 @@ void fill_shadow(FrameBlock& block, const Stage& stage, const Box& casters, unsi
   }
   const Vector3 size = high - low;
   const double step = std::log(1.08);
-  const double across = std::exp(step * std::ceil(std::log(1.06 * std::max({size.x(), size.y(), 1e-9})) / step));
+  const double across =
+      std::exp(step * std::ceil(std::log(1.06 * std::max({size.x(), size.y(), 1e-9})) / step));
   const double texel = across / map;
   const double left = std::floor((0.5 * (low.x() + high.x()) - 0.5 * across) / texel) * texel;
   const double bottom = std::floor((0.5 * (low.y() + high.y()) - 0.5 * across) / texel) * texel;

@@ -8,9 +8,9 @@
 namespace pliant::gl {
 
 DrawnSurface::DrawnSurface(const Context& context, const Mesh& mesh, const std::vector<Vector3>& colours)
-    : context_(context), vertex_count_(static_cast<std::uint32_t>(mesh.vertices.size())), corners_(context.gl()),
-      fans_(context.gl()), triangles_(context.gl()), drawn_(context.gl()), colours_(context.gl()),
-      indices_(context.gl()), array_(context.gl()) {
+    : context_(context), vertex_count_(static_cast<std::uint32_t>(mesh.vertices.size())),
+      corners_(context.gl()), fans_(context.gl()), triangles_(context.gl()), drawn_(context.gl()),
+      colours_(context.gl()), indices_(context.gl()), array_(context.gl()) {
   const GladGLContext& gl = context.gl();
   const DrawnMesh split = split_creases(mesh);
   corner_count_ = static_cast<std::uint32_t>(split.corners.size());
@@ -18,7 +18,8 @@ DrawnSurface::DrawnSurface(const Context& context, const Mesh& mesh, const std::
   std::vector<std::array<float, 3>> corner_colours;
   for (const auto& corner : split.corners) {
     const Vector3& c = colours[corner[0]];
-    corner_colours.push_back({static_cast<float>(c.x()), static_cast<float>(c.y()), static_cast<float>(c.z())});
+    corner_colours.push_back(
+        {static_cast<float>(c.x()), static_cast<float>(c.y()), static_cast<float>(c.z())});
   }
   fill(gl, corners_, 16 * split.corners.size(), split.corners.data(), GL_STATIC_DRAW);
   fill(gl, fans_, 4 * split.fans.size(), split.fans.data(), GL_STATIC_DRAW);

@@ -7,9 +7,10 @@ namespace pliant::gl {
 
 namespace {
 
-constexpr std::array<GLenum, 4> targets{GL_TEXTURE_1D, GL_TEXTURE_2D, GL_TEXTURE_BUFFER, GL_TEXTURE_2D_MULTISAMPLE};
-constexpr std::array<GLenum, 4> bindings{GL_TEXTURE_BINDING_1D, GL_TEXTURE_BINDING_2D, GL_TEXTURE_BINDING_BUFFER,
-                                         GL_TEXTURE_BINDING_2D_MULTISAMPLE};
+constexpr std::array<GLenum, 4> targets{GL_TEXTURE_1D, GL_TEXTURE_2D, GL_TEXTURE_BUFFER,
+                                        GL_TEXTURE_2D_MULTISAMPLE};
+constexpr std::array<GLenum, 4> bindings{GL_TEXTURE_BINDING_1D, GL_TEXTURE_BINDING_2D,
+                                         GL_TEXTURE_BINDING_BUFFER, GL_TEXTURE_BINDING_2D_MULTISAMPLE};
 constexpr std::array<GLenum, 15> switches{GL_BLEND,
                                           GL_CULL_FACE,
                                           GL_DEPTH_TEST,
@@ -25,8 +26,8 @@ constexpr std::array<GLenum, 15> switches{GL_BLEND,
                                           GL_SCISSOR_TEST,
                                           GL_STENCIL_TEST,
                                           GL_COLOR_LOGIC_OP};
-constexpr std::array<GLenum, 8> pixel_store{GL_PACK_ALIGNMENT,    GL_PACK_ROW_LENGTH,    GL_PACK_SKIP_ROWS,
-                                            GL_PACK_SKIP_PIXELS,  GL_UNPACK_ALIGNMENT,   GL_UNPACK_ROW_LENGTH,
+constexpr std::array<GLenum, 8> pixel_store{GL_PACK_ALIGNMENT,     GL_PACK_ROW_LENGTH,  GL_PACK_SKIP_ROWS,
+                                            GL_PACK_SKIP_PIXELS,   GL_UNPACK_ALIGNMENT, GL_UNPACK_ROW_LENGTH,
                                             GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS};
 
 int integer(const GladGLContext& gl, GLenum name) {

@@ -9,8 +9,8 @@
 
 namespace pliant::gl {
 
-/// The destructor puts back, in a context that belongs to a host, the state that the renderer touches beyond what
-/// HostState keeps. Does nothing in a context of our own.
+/// The destructor puts back, in a context that belongs to a host, the state that the renderer touches beyond
+/// what HostState keeps. Does nothing in a context of our own.
 class HostDrawing {
 public:
   explicit HostDrawing(const Context& context);

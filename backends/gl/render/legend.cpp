@@ -37,10 +37,14 @@ std::string number(double value, double step) {
 
 } // namespace
 
+double legend_unit(unsigned picture_height) {
+  return std::clamp(picture_height / 60.0, 5.0, 40.0);
+}
+
 void draw_legend(Image& image, const std::string& label, double low, double high, bool open_ended) {
   if (image.width < 160 || image.height < 120) return;
   if (!(high > low)) high = low + std::max(1e-6 * std::abs(low), 1e-12);
-  const double unit = std::clamp(image.height / 60.0, 5.0, 40.0); // height of a capital
+  const double unit = legend_unit(image.height);
   const Colour ink{38, 42, 48}, paper{250, 251, 252};
   const int bar_width = static_cast<int>(std::lround(1.3 * unit));
   const int top = static_cast<int>(0.20 * image.height), bottom = static_cast<int>(0.80 * image.height);
@@ -53,20 +57,23 @@ void draw_legend(Image& image, const std::string& label, double low, double high
     text_width = std::max(text_width, measure_text(ticks.back().second, unit).width);
   }
   const std::string title = label.empty() ? "field" : label, note = open_ended ? "range so far" : "";
-  const double title_width = measure_text(title, unit).width, note_width = measure_text(note, 0.8 * unit).width;
+  const double title_width = measure_text(title, unit).width,
+               note_width = measure_text(note, 0.8 * unit).width;
   const double column = bar_width + 1.4 * unit + text_width;
   const double wide = std::max({column, title_width, note_width});
   const int left = static_cast<int>(image.width - wide - 2.2 * unit);
 
   // A pale sheet behind it, so that it reads on any background.
   const int x0 = left - static_cast<int>(unit), x1 = static_cast<int>(image.width - unit);
-  const int y0 = top - static_cast<int>(3.2 * unit), y1 = bottom + static_cast<int>((open_ended ? 3.2 : 1.4) * unit);
+  const int y0 = top - static_cast<int>(3.2 * unit),
+            y1 = bottom + static_cast<int>((open_ended ? 3.2 : 1.4) * unit);
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) image.blend(x, y, paper, 0.72);
 
   for (int y = top; y < bottom; ++y) {
     const double share = (bottom - 0.5 - y) / (bottom - top);
-    const Colour colour = field_colours()[static_cast<std::size_t>(std::clamp(share * 255 + 0.5, 0.0, 255.0))];
+    const Colour colour =
+        field_colours()[static_cast<std::size_t>(std::clamp(share * 255 + 0.5, 0.0, 255.0))];
     for (int x = left; x < left + bar_width; ++x) image.blend(x, y, colour, 1);
   }
   for (int y = top - 1; y <= bottom; ++y) {

@@ -52,7 +52,8 @@ using VertexArray = Object<VertexArrayKind>;
 using Sampler = Object<SamplerKind>;
 
 /// Fills a buffer with `bytes` of data (null: undefined).
-inline void fill(const GladGLContext& gl, const GlArray& array, std::size_t bytes, const void* data, GLenum usage) {
+inline void fill(const GladGLContext& gl, const GlArray& array, std::size_t bytes, const void* data,
+                 GLenum usage) {
   gl.BindBuffer(GL_COPY_WRITE_BUFFER, array.name());
   gl.BufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes > 16 ? bytes : 16), nullptr, usage);
   if (data && bytes) gl.BufferSubData(GL_COPY_WRITE_BUFFER, 0, static_cast<GLsizeiptr>(bytes), data);

@@ -57,8 +57,9 @@ const std::array<Colour, 256>& field_colours() {
 }
 
 std::vector<Vector3> body_colours(const Scene& scene, const Model& model) {
-  const std::array<Vector3, 6> quiet{Vector3(0.80, 0.42, 0.28), Vector3(0.24, 0.52, 0.62), Vector3(0.86, 0.66, 0.30),
-                                     Vector3(0.45, 0.58, 0.36), Vector3(0.56, 0.40, 0.58), Vector3(0.74, 0.70, 0.64)};
+  const std::array<Vector3, 6> quiet{Vector3(0.80, 0.42, 0.28), Vector3(0.24, 0.52, 0.62),
+                                     Vector3(0.86, 0.66, 0.30), Vector3(0.45, 0.58, 0.36),
+                                     Vector3(0.56, 0.40, 0.58), Vector3(0.74, 0.70, 0.64)};
   std::vector<Vector3> colours;
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     bool named = i >= scene.bodies.size();

@@ -47,7 +47,8 @@ struct Programs {
         surface(context, "surface", stages("surface.vert", "surface.frag")),
         surface_shadow(context, "surface shadow", stages("surface.vert", "nothing.frag")),
         particles(context, "particles", stages("particles.vert", "particles.frag")),
-        particles_shadow(context, "particles shadow", stages("particles_shadow.vert", "particles_shadow.frag")),
+        particles_shadow(context, "particles shadow",
+                         stages("particles_shadow.vert", "particles_shadow.frag")),
         plane(context, "plane", stages("plane.vert", "plane.frag")),
         visible(context, "visible", stages("picture.vert", "visible.frag")),
         smooth(context, "smooth", stages("picture.vert", "smooth.frag")),
@@ -55,7 +56,8 @@ struct Programs {
   static Program::Stages stages(const char* vertex, const char* fragment) {
     return {{GL_VERTEX_SHADER, shader(vertex)}, {GL_FRAGMENT_SHADER, shader(fragment)}};
   }
-  Program bounds, normals, surface, surface_shadow, particles, particles_shadow, plane, visible, smooth, resolve;
+  Program bounds, normals, surface, surface_shadow, particles, particles_shadow, plane, visible, smooth,
+      resolve;
 };
 
 struct BodySurface {
@@ -129,8 +131,9 @@ public:
     stage_ = arrange(scene, outline_at_start(model), boxes);
     if (stage_.ground) planes_.push_back({stage_.ground->head<3>(), (*stage_.ground)[3], Motion{}});
     if (planes_.size() > max_planes)
-      throw Error(ExitCode::usage, "the scene has " + std::to_string(planes_.size()) + " visible planes, and " +
-                                       std::to_string(max_planes) + " can be drawn; set visible = false on some");
+      throw Error(ExitCode::usage, "the scene has " + std::to_string(planes_.size()) +
+                                       " visible planes, and " + std::to_string(max_planes) +
+                                       " can be drawn; set visible = false on some");
     fill_view(block_, stage_, scene_.size[0], scene_.size[1], Eigen::Vector2d::Zero());
   }
 
@@ -139,7 +142,8 @@ public:
       const Scope scope(*context_);
       assets_.reset();
     } catch (const Error&) {
-      // The context is in use by another thread: the driver frees it all with it, and names are not reused before.
+      // The context is in use by another thread: the driver frees it all with it, and names are not reused
+      // before.
       static_cast<void>(assets_.release());
     }
   }
@@ -177,7 +181,7 @@ public:
           targets.passes == 1
               ? Eigen::Vector2d(0, 0)
               : Eigen::Vector2d(Eigen::Vector2d(std::fmod(0.5 + 0.7548776662 * pass, 1.0) - 0.5,
-                                std::fmod(0.5 + 0.5698402910 * pass, 1.0) - 0.5) /
+                                                std::fmod(0.5 + 0.5698402910 * pass, 1.0) - 0.5) /
                                 std::sqrt(double(targets.samples)));
       fill_view(block_, stage_, targets.width, targets.height, jitter);
       block_.axis[3] = targets.first_sample[0];
@@ -212,9 +216,11 @@ private:
   void check_vertices(const BufferStorage& buffer) const;
   Box measure(GLuint particles, GLuint vertices, const std::vector<Run>& runs);
   void upload_frame(double time);
-  void draw_surfaces(GLuint program, bool shadow, bool meshes, const std::vector<Eigen::Matrix4d>& motions) const;
+  void draw_surfaces(GLuint program, bool shadow, bool meshes,
+                     const std::vector<Eigen::Matrix4d>& motions) const;
   void draw_particles(GLuint program, const std::vector<Run>& runs) const;
-  void draw_shadow(bool meshes, const std::vector<Run>& runs, const std::vector<Eigen::Matrix4d>& motions) const;
+  void draw_shadow(bool meshes, const std::vector<Run>& runs,
+                   const std::vector<Eigen::Matrix4d>& motions) const;
   void draw_samples(bool meshes, const std::vector<Run>& runs, const std::vector<Eigen::Matrix4d>& motions,
                     double time) const;
   void draw_light(unsigned pass) const;
@@ -243,7 +249,8 @@ void GlRenderer::upload_bodies(const Scene& scene, const Model& model) {
   std::uint32_t first_vertex = 0;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const BodyModel& body = model.bodies[b];
-    const bool by_region = b < scene.bodies.size() && !scene.bodies[b].color && !scene.bodies[b].regions.empty();
+    const bool by_region =
+        b < scene.bodies.size() && !scene.bodies[b].color && !scene.bodies[b].regions.empty();
     all_.push_back({body.first, body.count});
     for (std::uint32_t i = body.first; i < body.first + body.count; ++i) {
       Vector3 colour = colours[b];
@@ -286,7 +293,8 @@ void GlRenderer::upload_boundaries(const Scene& scene) {
     DrawnSurface surface(*context_, mesh, std::vector<Vector3>(mesh.vertices.size(), grey));
     std::vector<std::array<float, 4>> vertices;
     for (const Vector3& v : mesh.vertices)
-      vertices.push_back({static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), NAN});
+      vertices.push_back(
+          {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), NAN});
     const GlArray uploaded(gl());
     fill(gl(), uploaded, 16 * vertices.size(), vertices.data(), GL_STATIC_DRAW);
     surface.update(assets_->programs.normals.name(), uploaded.name(), 0);
@@ -298,7 +306,8 @@ void GlRenderer::upload_boundaries(const Scene& scene) {
 void GlRenderer::upload_tables() {
   std::vector<std::array<float, 4>> colours;
   for (const Colour& c : field_colours())
-    colours.push_back({static_cast<float>(to_linear(c[0] / 255.0)), static_cast<float>(to_linear(c[1] / 255.0)),
+    colours.push_back({static_cast<float>(to_linear(c[0] / 255.0)),
+                       static_cast<float>(to_linear(c[1] / 255.0)),
                        static_cast<float>(to_linear(c[2] / 255.0)), 1});
   gl().ActiveTexture(GL_TEXTURE0);
   gl().BindTexture(GL_TEXTURE_1D, assets_->field_texture.name());
@@ -377,7 +386,8 @@ Box GlRenderer::measure(GLuint particles, GLuint vertices, const std::vector<Run
   };
   for (const Run& run : runs) gather(particles, run.first, run.count);
   if (vertices)
-    for (const BodySurface& body : assets_->bodies) gather(vertices, body.first_vertex, body.surface.vertex_count());
+    for (const BodySurface& body : assets_->bodies)
+      gather(vertices, body.first_vertex, body.surface.vertex_count());
   gl().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   std::array<std::uint32_t, 8> found{};
   gl().BindBuffer(GL_COPY_READ_BUFFER, assets_->bounds.name());
@@ -499,8 +509,8 @@ void GlRenderer::draw_samples(bool meshes, const std::vector<Run>& runs,
     const double height = normal.dot(stage_.view.eye) - planes[i][3];
     if (height <= 0) continue; // seen from within the ground: not at all
     const auto vector = [&](const char* name, const Vector3& v) {
-      gl().Uniform3f(gl().GetUniformLocation(program, name), static_cast<float>(v.x()), static_cast<float>(v.y()),
-                     static_cast<float>(v.z()));
+      gl().Uniform3f(gl().GetUniformLocation(program, name), static_cast<float>(v.x()),
+                     static_cast<float>(v.y()), static_cast<float>(v.z()));
     };
     const Vector3 first = normal.unitOrthogonal();
     vector("foot", stage_.view.eye - height * normal);
@@ -564,8 +574,8 @@ Image GlRenderer::read_picture() const {
   gl().ReadPixels(0, 0, static_cast<GLsizei>(targets.width), static_cast<GLsizei>(targets.height), GL_RGBA,
                   GL_UNSIGNED_BYTE, rows.data());
   if (const GLenum error = gl().GetError(); error != GL_NO_ERROR)
-    throw Error(ExitCode::internal, "drawing failed on " + context_->renderer() + " with GL error " +
-                                        std::to_string(error));
+    throw Error(ExitCode::internal,
+                "drawing failed on " + context_->renderer() + " with GL error " + std::to_string(error));
   for (unsigned y = 0; y < targets.height; ++y) {
     const std::uint8_t* row = &rows[4 * std::size_t(targets.height - 1 - y) * targets.width];
     for (unsigned x = 0; x < targets.width; ++x) std::memcpy(image.at(x, y), row + 4 * x, 3);

@@ -18,7 +18,8 @@ unsigned limit(const GladGLContext& gl, GLenum name) {
 }
 
 unsigned device_samples(const GladGLContext& gl, unsigned wanted) {
-  unsigned most = std::min({limit(gl, GL_MAX_COLOR_TEXTURE_SAMPLES), limit(gl, GL_MAX_DEPTH_TEXTURE_SAMPLES), 8u});
+  unsigned most =
+      std::min({limit(gl, GL_MAX_COLOR_TEXTURE_SAMPLES), limit(gl, GL_MAX_DEPTH_TEXTURE_SAMPLES), 8u});
   most = std::min(most, limit(gl, GL_MAX_SAMPLES));
   return std::max(1u, std::min(wanted, most));
 }
@@ -27,7 +28,8 @@ std::string size_text(unsigned width, unsigned height) {
   return "a picture of " + std::to_string(width) + " x " + std::to_string(height) + " pixels";
 }
 
-void allocate(const GladGLContext& gl, const Texture& texture, GLenum format, unsigned width, unsigned height) {
+void allocate(const GladGLContext& gl, const Texture& texture, GLenum format, unsigned width,
+              unsigned height) {
   gl.BindTexture(GL_TEXTURE_2D, texture.name());
   gl.TexStorage2D(GL_TEXTURE_2D, 1, format, static_cast<GLsizei>(width), static_cast<GLsizei>(height));
   gl.BindTexture(GL_TEXTURE_2D, 0);
@@ -38,8 +40,8 @@ void allocate(const GladGLContext& gl, const Texture& texture, GLenum format, un
 Targets::Targets(const Context& context, unsigned w, unsigned h, unsigned wanted)
     : width(w), height(h), samples(device_samples(context.gl(), wanted)),
       passes((std::max(wanted, 1u) + samples - 1) / samples), colour(context.gl()), normal(context.gl()),
-      depth(context.gl()), shadow(context.gl()), rough(context.gl()), between(context.gl()), sum(context.gl()),
-      seen(context.gl()), sun(context.gl()), roughly(context.gl()), halfway(context.gl()), 
+      depth(context.gl()), shadow(context.gl()), rough(context.gl()), between(context.gl()),
+      sum(context.gl()), seen(context.gl()), sun(context.gl()), roughly(context.gl()), halfway(context.gl()),
       summed(context.gl()) {
   const GladGLContext& gl = context.gl();
   GLint viewport[2] = {0, 0};

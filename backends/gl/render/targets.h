@@ -12,8 +12,8 @@ struct Targets {
 
   static constexpr unsigned map = 2048; ///< texels across the shadow map
   unsigned width, height;
-  unsigned samples; ///< of a pixel, in one drawing: what the device has, at most those wanted
-  unsigned passes;  ///< drawings that together have the samples wanted
+  unsigned samples;               ///< of a pixel, in one drawing: what the device has, at most those wanted
+  unsigned passes;                ///< drawings that together have the samples wanted
   float first_sample[2] = {0, 0}; ///< pixels from a pixel's middle
   Texture colour, normal, depth;  ///< multisampled
   Texture shadow, rough, between, sum;
