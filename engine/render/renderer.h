@@ -6,19 +6,12 @@
 
 #include "engine/device/device.h"
 #include "engine/model/model.h"
+#include "engine/render/image.h"
 
-#include <cstdint>
 #include <memory>
 #include <string>
-#include <vector>
 
 namespace pliant {
-
-/// 8-bit RGB, row by row from the top.
-struct Image {
-  unsigned width = 0, height = 0;
-  std::vector<std::uint8_t> rgb;
-};
 
 /// What changes from frame to frame. Buffers belong to the simulation's device; world coordinates, m.
 struct RenderState {
@@ -31,11 +24,16 @@ struct RenderState {
 class Renderer {
 public:
   virtual ~Renderer() = default;
+  /// A picture of scene.render.size, 3 channels. Bodies whose mesh is not drawn, and all where `vertex` is
+  /// null, are drawn as spheres. The same state gives the same picture, except that a field's range, where
+  /// the scene gives none, is the widest drawn so far.
   virtual Image draw(Device& simulation, const RenderState& state) = 0;
 };
 
 /// The boundaries' motions are evaluated at RenderState::time. `field_label` names the field and its unit for
-/// the legend when scene.render.color is not "body". Throws Error(no_device) naming the package to install.
+/// the legend when scene.render.color is not "body". The device must outlive the renderer. Throws
+/// Error(no_device) naming the package to install; Error(usage) for a picture larger than the device can
+/// draw; Error(too_large) for more particles than it can draw.
 std::unique_ptr<Renderer> make_renderer(Device& simulation, const Scene& scene, const Model& model,
                                         const std::string& field_label = "");
 

@@ -116,9 +116,9 @@ TEST_P(Boundaries, NoSlipHoldsAndDragsWithATurningObstacle) {
   Bench bench(*device, world);
   const auto forces = bench.forces();
   // The plate's point that is at p at the end of the step was at before(after^-1(p)).
-  const Placement after = placement_at(plate.motion, world.step);
+  const RigidMap after = motion_at(plate.motion, world.step);
   const Vector3 p = world.model.position[0] + world.displacement[0];
-  const Vector3 from = after.turn.transpose() * (p - after.shift);
+  const Vector3 from = after.rotation.transpose() * (p - after.shift);
   const Vector3 expected = -1000 * (world.displacement[0] - (p - from)) + Vector3(0, 1000 * 0.01, 0);
   EXPECT_LT((vector_of(forces[0]) - expected).norm(), 2000 * epsilon);
   EXPECT_GT(forces[0].x, 30); // dragged along +x: 4.4 m/s against 1 m/s
@@ -188,7 +188,7 @@ TEST(ContactPlan, NothingWhereNothingCanTouch) {
   world.add({0, 0, 0});
   const auto device = device_choices()[0].open();
   const std::size_t before = device->bytes_allocated();
-  Contacts contacts(*device, world.scene, world.model);
+  Contacts contacts(*device, world.scene, world.model, Vector3::Zero());
   contacts.prepare();
   EXPECT_TRUE(contacts.plan().buffers.empty());
   EXPECT_TRUE(contacts.plan().kernels.empty());

@@ -74,7 +74,7 @@ TEST_P(MeshBoundary, ForceIsTheGradientOfTheGridsDistance) {
     motion.velocity = {20, 0, 0}; // turned and moved by the end of the step
     motion.rate = 30;
     motion.about = shape.at;
-    const Placement placed = placement_at(motion, world.step);
+    const RigidMap placed = motion_at(motion, world.step);
     std::mt19937 random(8);
     std::uniform_real_distribution<double> c(-0.6, 0.6), small(-0.05, 0.05);
     for (int i = 0; i < 300; ++i)
@@ -87,14 +87,14 @@ TEST_P(MeshBoundary, ForceIsTheGradientOfTheGridsDistance) {
     int hits = 0;
     for (std::size_t i = 0; i + 1 < world.count(); ++i) {
       const Vector3 p = world.model.position[i] + world.displacement[i];
-      const Vector3 own = placed.turn.transpose() * (p - placed.shift),
+      const Vector3 own = placed.rotation.transpose() * (p - placed.shift),
                     in_cells = (own - grid.low) / grid.cell;
       const Vector3 off = in_cells - in_cells.array().round().matrix();
       if (off.cwiseAbs().minCoeff() < 1e-4) continue; // between cells the gradient jumps
       Vector3 gradient;
       const double sense = inside ? -1 : 1, depth = 0.05 - sense * grid.at(own, &gradient);
       const Vector3 expected =
-          depth > 0 ? Vector3(1000 * depth * sense * (placed.turn * gradient)) : Vector3::Zero();
+          depth > 0 ? Vector3(1000 * depth * sense * (placed.rotation * gradient)) : Vector3::Zero();
       hits += depth > 0;
       EXPECT_LT((vector_of(forces[i]) - expected).norm(), 1e-11 + 2e4 * epsilon) << i;
     }

@@ -54,7 +54,7 @@ struct World {
 class Bench {
 public:
   Bench(Device& device, const World& world)
-      : device_(device), world_(world), contacts(device, world.scene, world.model) {
+      : device_(device), world_(world), contacts(device, world.scene, world.model, Vector3::Zero()) {
     const std::size_t n = world.count();
     std::vector<Real4<double>> position(n), displacement(n), start(n), origin;
     for (const BodyModel& body : world.model.bodies)
