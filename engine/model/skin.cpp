@@ -41,9 +41,7 @@ public:
   }
 
 private:
-  Eigen::Vector3i cell(const Vector3& x) const {
-    return (x / model_.spacing).array().floor().cast<int>();
-  }
+  Eigen::Vector3i cell(const Vector3& x) const { return (x / model_.spacing).array().floor().cast<int>(); }
   static std::uint64_t key(const Eigen::Vector3i& c) {
     const auto part = [](int v) { return static_cast<std::uint64_t>(v + (1 << 20)) & 0x1fffff; };
     return part(c.x()) | part(c.y()) << 21 | part(c.z()) << 42;
@@ -64,7 +62,8 @@ Skin make_skin(const Model& model) {
     for (const Vector3& x : body.surface_reference) {
       const auto nearest = cells.nearest(x);
       const std::size_t count = std::min<std::size_t>(nearest.size(), 4);
-      const double reach = nearest.size() == wanted ? nearest.back().first : 2 * nearest.back().first + model.spacing;
+      const double reach =
+          nearest.size() == wanted ? nearest.back().first : 2 * nearest.back().first + model.spacing;
       std::uint32_t particle[4];
       double weight[4] = {0, 0, 0, 0}, sum = 0;
       for (std::size_t k = 0; k < 4; ++k) {

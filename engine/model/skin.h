@@ -8,10 +8,10 @@ namespace pliant {
 
 /// Vertices of all bodies' meshes, body after body.
 struct Skin {
-  std::vector<Uint4> particle;                 ///< four nearest, nearest first
-  std::vector<Real4<double>> weight;           ///< sum 1; falls to zero at the distance of the fifth: no seams
-  std::vector<Real4<double>> reference;        ///< body axes, m
-  std::vector<std::uint32_t> first;            ///< first vertex of each body, and the total
+  std::vector<Uint4> particle;          ///< four nearest, nearest first
+  std::vector<Real4<double>> weight;    ///< sum 1; falls to zero at the distance of the fifth: no seams
+  std::vector<Real4<double>> reference; ///< body axes, m
+  std::vector<std::uint32_t> first;     ///< first vertex of each body, and the total
 };
 
 Skin make_skin(const Model& model);

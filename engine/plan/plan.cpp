@@ -85,7 +85,8 @@ public:
     const ContactPlan needs = plan_contacts(scene_, model_);
     plan_.boundaries = needs.boundaries;
     plan_.pairs = needs.pairs();
-    for (const auto& [component, used] : {std::pair{"boundaries", plan_.boundaries}, {"contacts", plan_.pairs}}) {
+    for (const auto& [component, used] :
+         {std::pair{"boundaries", plan_.boundaries}, {"contacts", plan_.pairs}}) {
       begin(component, used);
       for (const BufferSpec& spec : needs.buffers)
         if (spec.component == component) buffer(spec.name, spec.type, spec.count);
@@ -100,7 +101,8 @@ public:
     buffer("component", Type::uint4, chunks.component.size());
     buffer("moment", Type::real4, 5 * chunks.chunk.size());
     buffer("rigid", Type::real4, 3 * chunks.component.size());
-    kernels<kernels::component_moments::Args, kernels::component_motion::Args, kernels::component_apply::Args>();
+    kernels<kernels::component_moments::Args, kernels::component_motion::Args,
+            kernels::component_apply::Args>();
     begin("statistics", plan_.statistics);
     buffer("chunk", Type::uint4, chunks.chunk.size());
     buffer("chunk_sum", Type::real4, 2 * chunks.chunk.size());
@@ -140,7 +142,8 @@ private:
   void kernel(const KernelInfo& info) {
     if (!active_) return;
     const auto same = [&](const KernelSpec& spec) { return spec.info == &info; };
-    if (std::none_of(plan_.kernels.begin(), plan_.kernels.end(), same)) plan_.kernels.push_back({&info, component_});
+    if (std::none_of(plan_.kernels.begin(), plan_.kernels.end(), same))
+      plan_.kernels.push_back({&info, component_});
   }
   template <class... Args> void kernels() { (kernel(Args::info()), ...); }
 
@@ -214,7 +217,8 @@ Chunks make_chunks(const Model& model) {
   const auto n = static_cast<std::uint32_t>(model.count());
   const auto conserves_spin = [&](std::uint32_t particle) {
     for (const LawRange& range : model.laws)
-      if (particle >= range.first && particle < range.first + range.count) return range.law != Law::projective;
+      if (particle >= range.first && particle < range.first + range.count)
+        return range.law != Law::projective;
     return true;
   };
   for (std::uint32_t first = 0; first < n;) {

@@ -43,8 +43,9 @@ Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds,
 /// A run of at most chunk_size particles of one component: the unit of sums.
 inline constexpr std::uint32_t chunk_size = 1024;
 struct Chunks {
-  std::vector<Uint4> chunk;     ///< first particle, one past the last, component, 0
-  std::vector<Uint4> component; ///< first chunk, one past the last, 1 if its law conserves angular momentum, 0
+  std::vector<Uint4> chunk; ///< first particle, one past the last, component, 0
+  std::vector<Uint4>
+      component; ///< first chunk, one past the last, 1 if its law conserves angular momentum, 0
 };
 Chunks make_chunks(const Model& model);
 

@@ -45,22 +45,24 @@ void Progress::frame(unsigned done, double time, double residual, unsigned itera
   const bool last = done == frames_;
   const double pause = std::chrono::duration<double>(now - last_).count();
   switch (style_) {
-  case Style::none: return;
+  case Style::none:
+    return;
   case Style::json:
-    fmt::print(to_,
-               "{{\"frame\":{},\"frames\":{},\"time\":{:.6g},\"fps\":{:.4g},\"residual\":{:.3e},\"iterations\":{},"
-               "\"seconds_left\":{:.1f}}}\n",
-               done, frames_, time, rate, residual, iterations, left);
+    fmt::print(
+        to_,
+        "{{\"frame\":{},\"frames\":{},\"time\":{:.6g},\"fps\":{:.4g},\"residual\":{:.3e},\"iterations\":{},"
+        "\"seconds_left\":{:.1f}}}\n",
+        done, frames_, time, rate, residual, iterations, left);
     break;
   case Style::plain:
     if (!last && done != 0 && pause < seconds_between_lines) return;
-    fmt::print(to_, "frame {}/{}  t {:.3f} s  {:.2f} frames/s  residual {:.1e}  {} left\n", done, frames_, time, rate,
-               residual, clock_text(left));
+    fmt::print(to_, "frame {}/{}  t {:.3f} s  {:.2f} frames/s  residual {:.1e}  {} left\n", done, frames_,
+               time, rate, residual, clock_text(left));
     break;
   case Style::bar: {
     if (!last && pause < 0.1) return;
-    const std::string text = fmt::format(" {}/{}  {:.2f} frames/s  residual {:.1e}  {} left", done, frames_, rate,
-                                         residual, clock_text(left));
+    const std::string text = fmt::format(" {}/{}  {:.2f} frames/s  residual {:.1e}  {} left", done, frames_,
+                                         rate, residual, clock_text(left));
     const auto room = static_cast<int>(terminal_width()) - static_cast<int>(text.size()) - 3;
     const int width = std::clamp(room, 0, 40);
     const int filled = frames_ ? static_cast<int>(static_cast<double>(width) * done / frames_) : width;

@@ -90,7 +90,7 @@ private:
   Obstacles obstacles_;
   std::map<std::string, Buffer> buffers_;
   double friction_ = 0, lightest_ = 0, least_stiffness_ = 0; ///< -, kg, N/m
-  bool still_ = false; ///< no obstacle moves: the table holds for every step
+  bool still_ = false;               ///< no obstacle moves: the table holds for every step
   Vector3 origin_ = Vector3::Zero(); ///< m, world: of the device's coordinates
   Vector3 base_ = Vector3::Zero();   ///< m: the bodies' middle, relative to it
 };

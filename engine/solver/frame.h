@@ -1,4 +1,5 @@
-// What a frame shows: particles and carried meshes in world coordinates, made on the device when a frame is due.
+// What a frame shows: particles and carried meshes in world coordinates, made on the device when a frame is
+// due.
 #pragma once
 
 #include "engine/model/skin.h"
@@ -19,8 +20,8 @@ public:
 
   /// Fills the buffers below from the simulation's state.
   void update();
-  const BufferStorage* particle() const { return particle_; }  ///< real4: world position, m; w: field
-  const BufferStorage* vertex() const { return vertex_; }      ///< the same for carried meshes; null without
+  const BufferStorage* particle() const { return particle_; } ///< real4: world position, m; w: field
+  const BufferStorage* vertex() const { return vertex_; }     ///< the same for carried meshes; null without
   const Skin& skin() const { return skin_; }
 
   /// A field of every particle, `components` values each. Throws Error(usage) for one that the plan lacks.

@@ -23,28 +23,28 @@ enum class StopReason : std::uint8_t { none, tolerance, floor, cap };
 /// One step's row.
 struct StepStatistics {
   std::uint64_t step = 0;
-  double time = 0;            ///< s, at the end of the step
-  unsigned iterations = 0;    ///< accelerated Jacobi iterations that led to the result
-  double residual = 0;        ///< of Eq. 12 in the D^-1 norm, relative to the start of the solve
-  double first_residual = 0;  ///< sqrt(N m)
-  double last_residual = 0;   ///< of the result, sqrt(N m)
-  double floor = 0;           ///< what the precision can reach, sqrt(N m)
-  unsigned restarts = 0;      ///< of the guard
+  double time = 0;           ///< s, at the end of the step
+  unsigned iterations = 0;   ///< accelerated Jacobi iterations that led to the result
+  double residual = 0;       ///< of Eq. 12 in the D^-1 norm, relative to the start of the solve
+  double first_residual = 0; ///< sqrt(N m)
+  double last_residual = 0;  ///< of the result, sqrt(N m)
+  double floor = 0;          ///< what the precision can reach, sqrt(N m)
+  unsigned restarts = 0;     ///< of the guard
   StopReason reason = StopReason::none;
   double kinetic_energy = 0, elastic_energy = 0; ///< J
   Vector3 momentum = Vector3::Zero();            ///< kg m/s
-  double largest_speed = 0;        ///< m/s
-  double largest_displacement = 0; ///< m, in one step
-  std::size_t not_finite = 0;      ///< particles
+  double largest_speed = 0;                      ///< m/s
+  double largest_displacement = 0;               ///< m, in one step
+  std::size_t not_finite = 0;                    ///< particles
 };
 
 /// Everything that a later step depends on, in double and world coordinates, in the model's order.
 struct Snapshot {
   std::uint64_t step = 0;
-  std::vector<Vector3> position, velocity;                 ///< m, m/s
-  std::vector<double> felt_gravity;                        ///< 0 to 1
-  std::vector<Vector3> earlier_velocity, earlier_shift;    ///< BDF2; else empty
-  std::vector<Real4<double>> rotation;                     ///< corotated law; else empty
+  std::vector<Vector3> position, velocity;              ///< m, m/s
+  std::vector<double> felt_gravity;                     ///< 0 to 1
+  std::vector<Vector3> earlier_velocity, earlier_shift; ///< BDF2; else empty
+  std::vector<Real4<double>> rotation;                  ///< corotated law; else empty
 };
 
 class Simulation {
@@ -70,11 +70,12 @@ public:
   std::vector<StepStatistics> take_statistics(bool wait = true);
   void measure(bool on);
 
-  std::vector<Vector3> positions(); ///< m, world
+  std::vector<Vector3> positions();  ///< m, world
   std::vector<Vector3> velocities(); ///< m/s
   Snapshot snapshot();
   void restore(const Snapshot& state);
-  /// Internal elastic forces at the given world positions, N; for tests and tools. Leaves the state as it was.
+  /// Internal elastic forces at the given world positions, N; for tests and tools. Leaves the state as it
+  /// was.
   std::vector<Vector3> elastic_forces(const std::vector<Vector3>& positions);
   double elastic_energy(const std::vector<Vector3>& positions);
   /// FNV-1a of final positions and velocities as the device stores them, by id.
@@ -125,9 +126,9 @@ private:
   std::vector<Real4<double>> loaded_;      ///< forces on the device, N
   std::uint32_t held_count_ = 0;           ///< particles held in this step
   double stiffness_number_ = 0, floor_ = 0, one_minus_rho_ = 1;
-  unsigned iterations_ = 0;                ///< cap
+  unsigned iterations_ = 0; ///< cap
   std::uint64_t step_ = 0;
-  bool first_of_bdf2_ = true;              ///< the step before is missing
+  bool first_of_bdf2_ = true; ///< the step before is missing
   struct Pending {
     std::uint64_t step = 0;
     std::unique_ptr<Readback> readback;

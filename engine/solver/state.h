@@ -8,7 +8,8 @@ namespace pliant {
 
 struct Simulation::State {
   // Particles.
-  Buffer position, velocity, inertia_target, displacement, earlier_iterate, best_iterate, force, linear_start, owner;
+  Buffer position, velocity, inertia_target, displacement, earlier_iterate, best_iterate, force, linear_start,
+      owner;
   Buffer earlier_velocity, earlier_shift; // BDF2
   Buffer external_force;                  // loads
   Buffer energy;

@@ -127,7 +127,8 @@ std::vector<StepStatistics> Simulation::take_statistics(bool wait) {
 
 void Simulation::load_displacement(const std::vector<Vector3>& positions) {
   State& s = *state_;
-  const std::vector<Real4<double>> y = device_.download_real4(s.position), o = device_.download_real4(s.origin);
+  const std::vector<Real4<double>> y = device_.download_real4(s.position),
+                                   o = device_.download_real4(s.origin);
   if (positions.size() != y.size())
     throw Error(ExitCode::internal,
                 fmt::format("{} positions given for {} particles", positions.size(), y.size()));
@@ -176,6 +177,8 @@ std::string Simulation::hash() {
   return fmt::format("{:016x}", hash);
 }
 
-void Simulation::measure(bool on) { device_.measure(on); }
+void Simulation::measure(bool on) {
+  device_.measure(on);
+}
 
 } // namespace pliant
