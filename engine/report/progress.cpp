@@ -18,6 +18,10 @@ unsigned terminal_width() {
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 80;
 }
 
+std::string residual_text(double residual) {
+  return residual > 0 ? fmt::format("{:.1e}", residual) : "at the floor";
+}
+
 } // namespace
 
 std::string clock_text(double seconds) {
@@ -56,13 +60,13 @@ void Progress::frame(unsigned done, double time, double residual, unsigned itera
     break;
   case Style::plain:
     if (!last && done != 0 && pause < seconds_between_lines) return;
-    fmt::print(to_, "frame {}/{}  t {:.3f} s  {:.2f} frames/s  residual {:.1e}  {} left\n", done, frames_,
-               time, rate, residual, clock_text(left));
+    fmt::print(to_, "frame {}/{}  t {:.3f} s  {:.2f} frames/s  residual {}  {} left\n", done, frames_, time,
+               rate, residual_text(residual), clock_text(left));
     break;
   case Style::bar: {
     if (!last && pause < 0.1) return;
-    const std::string text = fmt::format(" {}/{}  {:.2f} frames/s  residual {:.1e}  {} left", done, frames_,
-                                         rate, residual, clock_text(left));
+    const std::string text = fmt::format(" {}/{}  {:.2f} frames/s  residual {}  {} left", done, frames_, rate,
+                                         residual_text(residual), clock_text(left));
     const auto room = static_cast<int>(terminal_width()) - static_cast<int>(text.size()) - 3;
     const int width = std::clamp(room, 0, 40);
     const int filled = frames_ ? static_cast<int>(static_cast<double>(width) * done / frames_) : width;

@@ -15,7 +15,8 @@ public:
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// After each frame. `residual` is the last step's, relative; `time` the simulated time, s.
+  /// After each frame. `residual` is the last step's, relative, 0 at the floor of the precision; `time` the
+  /// simulated time, s.
   void frame(unsigned done, double time, double residual, unsigned iterations);
   /// A line that must not be lost in the bar.
   void say(const std::string& line);

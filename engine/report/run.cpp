@@ -114,11 +114,10 @@ void Run::open_outputs() {
   prepare_output_folder(folder_);
   if (renderer_) std::filesystem::create_directories(folder_ / "frames");
   const Plan& plan = simulation_->plan();
-  for (const std::string& component : plan.used)
-    if (component.find(' ') == std::string::npos && component != "bonds" && component != "bdf2" &&
-        component != "loads")
-      components_.push_back(component);
-  components_.push_back("elasticity");
+  components_ = {"motion", "elasticity", "solver"}; // as step.cpp books them
+  for (const char* component : {"boundaries", "contacts", "momentum", "statistics"})
+    if (std::find(plan.used.begin(), plan.used.end(), component) != plan.used.end())
+      components_.emplace_back(component);
   component_ms_.resize(components_.size());
   statistics_ = std::make_unique<StatisticsWriter>(folder_ / "statistics.csv", components_);
   if (scene_.output.data) {
@@ -318,7 +317,7 @@ ExitCode Run::go() {
       }
       write_frame(frame);
       const StepStatistics& row = rows_.back();
-      progress.frame(frame, row.time, row.residual, row.iterations);
+      progress.frame(frame, row.time, row.reason == StopReason::floor ? 0 : row.residual, row.iterations);
     }
   } catch (const Error& error) {
     if (error.code() == ExitCode::diverged) finish("diverged");
