@@ -1,3 +1,6 @@
 // The program: everything is in commands.
-#include <cstdio>
-int main(int, char**) { return 0; }
+#include "engine/cli/program.h"
+
+int main(int argc, char** argv) {
+  return pliant::run_program(argc, argv);
+}

@@ -22,6 +22,8 @@ Mesh read_mesh(const std::filesystem::path& file);
 /// Writes by extension: OBJ, OFF, PLY (binary), STL (binary). Throws Error(input_output).
 void write_mesh(const Mesh& mesh, const std::filesystem::path& file);
 
+/// Where meshes are sought, in this order: the scene's folder, $PLIANT_MESHES, the user's cache.
+std::vector<std::filesystem::path> mesh_folders(const std::filesystem::path& scene_directory);
 /// Where a mesh named in a scene lies: beside the scene, in $PLIANT_MESHES, in the user's cache. Throws
 /// Error(usage) listing the places looked at and the command that fetches the meshes.
 std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& scene_directory);

@@ -129,23 +129,25 @@ Mesh read_mesh(const std::filesystem::path& file) {
   return mesh;
 }
 
+std::vector<std::filesystem::path> mesh_folders(const std::filesystem::path& scene_directory) {
+  namespace fs = std::filesystem;
+  const auto variable = [](const char* key) {
+    const char* value = std::getenv(key);
+    return std::string(value ? value : "");
+  };
+  std::vector<fs::path> places{scene_directory.empty() ? fs::path(".") : scene_directory};
+  if (const std::string meshes = variable("PLIANT_MESHES"); !meshes.empty()) places.emplace_back(meshes);
+  if (const std::string cache = variable("XDG_CACHE_HOME"); !cache.empty())
+    places.push_back(fs::path(cache) / "pliant" / "meshes");
+  else if (const std::string home = variable("HOME"); !home.empty())
+    places.push_back(fs::path(home) / ".cache" / "pliant" / "meshes");
+  return places;
+}
+
 std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& scene_directory) {
   namespace fs = std::filesystem;
-  std::vector<fs::path> places;
-  if (fs::path(name).is_absolute()) {
-    places.push_back(fs::path(name).parent_path());
-  } else {
-    places.push_back(scene_directory.empty() ? fs::path(".") : scene_directory);
-    const auto variable = [](const char* key) {
-      const char* value = std::getenv(key);
-      return std::string(value ? value : "");
-    };
-    if (const std::string meshes = variable("PLIANT_MESHES"); !meshes.empty()) places.emplace_back(meshes);
-    if (const std::string cache = variable("XDG_CACHE_HOME"); !cache.empty())
-      places.push_back(fs::path(cache) / "pliant" / "meshes");
-    else if (const std::string home = variable("HOME"); !home.empty())
-      places.push_back(fs::path(home) / ".cache" / "pliant" / "meshes");
-  }
+  std::vector<fs::path> places = mesh_folders(scene_directory);
+  if (fs::path(name).is_absolute()) places = {fs::path(name).parent_path()};
   std::string looked;
   for (const fs::path& place : places) {
     std::error_code ignored;

@@ -239,8 +239,8 @@ void Simulation::global_step(unsigned iteration, bool checked, bool restart) {
       .accelerate = settings.method == "chebyshev",
       .one_minus_rho = one_minus_rho_,
       .gamma = settings.method == "chebyshev" ? settings.under_relaxation : 1.0,
-      .tolerance = settings.tolerance,
-      .floor_residual = floor_,
+      .tolerance = settings.fixed_iterations ? 0 : settings.tolerance,
+      .floor_residual = settings.fixed_iterations ? 0 : floor_,
       .residual_partial = s.residual_partial,
       .solver = s.solver});
   device_.run(kernels::guard_apply::Args{.threads = n,

@@ -1,0 +1,259 @@
+// Runs the master and the others, and compares.
+#include "engine/report/verify.h"
+
+#include "engine/core/error.h"
+#include "engine/solver/simulation.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <set>
+
+namespace pliant {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Fields {
+  std::vector<Vector3> position, velocity; ///< m, m/s
+};
+struct Stretch {
+  Snapshot start;
+  Fields end; ///< of the master
+};
+
+/// Prints how far a device is, at most every few seconds.
+class Steps {
+public:
+  Steps(const VerifyOptions& options, std::string name, unsigned total)
+      : options_(options), name_(std::move(name)), total_(total), start_(Clock::now()), last_(start_) {}
+  void operator()() {
+    ++done_;
+    const Clock::time_point now = Clock::now();
+    if (std::chrono::duration<double>(now - last_).count() < 5) return;
+    last_ = now;
+    const double spent = std::chrono::duration<double>(now - start_).count();
+    options_.say(fmt::format("{}: {} of {} steps, about {:.0f} s left", name_, done_, total_,
+                             spent / done_ * (total_ - done_)));
+  }
+  void end() {
+    options_.say(fmt::format("{}: {} steps in {:.1f} s", name_, done_,
+                             std::chrono::duration<double>(Clock::now() - start_).count()));
+  }
+
+private:
+  const VerifyOptions& options_;
+  std::string name_;
+  unsigned total_, done_ = 0;
+  Clock::time_point start_, last_;
+};
+
+class Verification {
+public:
+  Verification(const Scene& scene, const VerifyOptions& options)
+      : scene_(scene), options_(options), model_(assemble(scene)) {
+    plain_.statistics = false;
+    for (const BodyModel& body : model_.bodies) {
+      Vector3 low = Vector3::Constant(1e300), high = -low;
+      for (std::uint32_t i = body.first; i < body.first + body.count; ++i) {
+        low = low.cwiseMin(model_.reference[i]);
+        high = high.cwiseMax(model_.reference[i]);
+      }
+      sizes_.push_back(std::max((high - low).norm(), model_.spacing));
+    }
+  }
+
+  VerifyReport run() {
+    report_.scene = scene_.name;
+    report_.particles = model_.count();
+    report_.bonds = model_.bonds.count();
+    report_.iterations = options_.iterations;
+    options_.say(fmt::format("{}: {} particles, {} bonds; {} steps of {} iterations, stretches of {}",
+                             scene_.name, report_.particles, report_.bonds, options_.steps,
+                             options_.iterations, options_.every));
+    master();
+    const std::vector<Fields> on_cpu = contender("openmp float", {"openmp"}, nullptr);
+    for (const DeviceListing& listing : list_devices()) {
+      if (listing.backend != "gl") continue;
+      if (!listing.usable) {
+        report_.skipped.push_back(fmt::format("gl ({}): {}", listing.name, listing.missing));
+        options_.say("skipped: " + report_.skipped.back());
+        continue;
+      }
+      const std::string name = fmt::format("gl:{}", listing.index);
+      options_.say(
+          fmt::format("{} is {}{}", name, listing.name, listing.software ? " (software: slow)" : ""));
+      contender(name, {name}, &on_cpu);
+      if (options_.kernels) kernel_by_kernel(name);
+    }
+    for (const Precision precision : {Precision::double_precision, Precision::single_precision}) {
+      const std::string name = precision == Precision::double_precision ? "openmp double" : "openmp float";
+      report_.threads.push_back(
+          {name, short_run({"openmp", precision, 1}), short_run({"openmp", precision, 2})});
+    }
+    return std::move(report_);
+  }
+
+private:
+  static std::unique_ptr<Device> open(const DeviceRequest& request) { return open_device(request); }
+
+  void master() {
+    const DeviceRequest request{"openmp", Precision::double_precision};
+    const std::unique_ptr<Device> device = open(request);
+    Simulation simulation(*device, scene_, model_, plain_);
+    duration_ = options_.every * simulation.time_step();
+    Steps steps(options_, master_name, options_.steps + options_.every);
+    std::string hash;
+    for (unsigned first = 0; first < options_.steps; first += options_.every) {
+      Stretch stretch{simulation.snapshot(), {}};
+      for (unsigned k = 0; k < options_.every; ++k) simulation.step(), steps();
+      stretch.end = {simulation.positions(), simulation.velocities()};
+      if (first == 0) hash = simulation.hash();
+      stretches_.push_back(std::move(stretch));
+    }
+    report_.run_to_run.push_back({master_name, hash, short_run(request, &steps)});
+    steps.end();
+  }
+
+  /// Returns the fields at the end of each stretch. `on_cpu`: those of the CPU in the same precision, to be
+  /// compared with.
+  std::vector<Fields> contender(const std::string& name, const DeviceRequest& request,
+                                const std::vector<Fields>* on_cpu) {
+    const std::unique_ptr<Device> device = open(request);
+    Simulation simulation(*device, scene_, model_, plain_);
+    Steps steps(options_, name, 2 * options_.steps + options_.every);
+    std::string hash;
+    for (unsigned k = 1; k <= options_.steps; ++k) {
+      simulation.step(), steps();
+      if (k == options_.every) hash = simulation.hash();
+    }
+    VerifyReport::Pair unbroken{master_name, name, options_.steps, 1, {}};
+    add(unbroken, stretches_.back().end, {simulation.positions(), simulation.velocities()},
+        stretches_.back());
+    report_.unbroken.push_back(std::move(unbroken));
+
+    VerifyReport::Pair with_master{master_name, name, options_.every, 0, {}};
+    VerifyReport::Pair with_cpu{"openmp float", name, options_.every, 0, {}};
+    std::vector<Fields> ends;
+    for (const Stretch& stretch : stretches_) {
+      simulation.restore(stretch.start);
+      for (unsigned k = 0; k < options_.every; ++k) simulation.step(), steps();
+      ends.push_back({simulation.positions(), simulation.velocities()});
+      add(with_master, stretch.end, ends.back(), stretch), ++with_master.stretches;
+      if (on_cpu) add(with_cpu, (*on_cpu)[ends.size() - 1], ends.back(), stretch), ++with_cpu.stretches;
+    }
+    report_.pairs.push_back(std::move(with_master));
+    if (on_cpu) report_.pairs.push_back(std::move(with_cpu));
+    report_.run_to_run.push_back({name, hash, short_run(request, &steps)});
+    steps.end();
+    return ends;
+  }
+
+  /// Hash after a stretch from the scene's start, on a device of its own.
+  std::string short_run(const DeviceRequest& request, Steps* steps = nullptr) const {
+    const std::unique_ptr<Device> device = open(request);
+    Simulation simulation(*device, scene_, model_, plain_);
+    for (unsigned k = 0; k < options_.every; ++k) {
+      simulation.step();
+      if (steps) (*steps)();
+    }
+    return simulation.hash();
+  }
+
+  /// One step from the last start, when whatever can touch does, with all that a run would compute.
+  void kernel_by_kernel(const std::string& name) {
+    VerifyReport::Kernels row{name, 0, {}};
+    options_.say(name + ": one step, each kernel replayed on the CPU");
+    DeviceRequest request{name};
+    request.replay = true;
+    const std::unique_ptr<Device> device = open(request);
+    PlanRequest everything;
+    everything.fields = scene_.output.fields;
+    Simulation simulation(*device, scene_, model_, everything);
+    simulation.restore(stretches_.back().start);
+    try {
+      simulation.step();
+      device->finish();
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::internal) throw;
+      row.mismatch = error.what();
+    }
+    std::set<std::string> names;
+    for (const std::string& variant : device->kernels_prepared())
+      names.insert(variant.substr(0, variant.find('[')));
+    row.compared = names.size();
+    report_.kernels.push_back(std::move(row));
+  }
+
+  void add(VerifyReport::Pair& pair, const Fields& a, const Fields& b, const Stretch& stretch) const {
+    // What hardly moves is not judged by its own speed: one that crosses a hundredth of the body within a
+    // stretch is the least that velocities are compared with.
+    double speed = 0.01 * *std::min_element(sizes_.begin(), sizes_.end()) / duration_;
+    for (const Vector3& v : stretch.start.velocity) speed = std::max(speed, v.norm());
+    for (const Vector3& v : stretch.end.velocity) speed = std::max(speed, v.norm());
+    if (pair.fields.empty()) pair.fields = {{"position", 0, 0}, {"velocity", 0, 0}};
+    add(pair.fields[0], a.position, b.position, [&](std::size_t i) { return sizes_[model_.body[i]]; });
+    add(pair.fields[1], a.velocity, b.velocity, [&](std::size_t) { return speed; });
+  }
+
+  template <class Scale>
+  static void add(FieldDifference& field, const std::vector<Vector3>& a, const std::vector<Vector3>& b,
+                  Scale scale) {
+    std::vector<double> relative(a.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      relative[i] = (a[i] - b[i]).norm() / scale(i);
+      if (!std::isfinite(relative[i])) relative[i] = std::numeric_limits<double>::infinity();
+    }
+    const auto middle = relative.begin() + static_cast<std::ptrdiff_t>(relative.size() / 2);
+    std::nth_element(relative.begin(), middle, relative.end());
+    field.median_relative = std::max(field.median_relative, *middle);
+    field.max_relative = std::max(field.max_relative, *std::max_element(relative.begin(), relative.end()));
+  }
+
+  static constexpr const char* master_name = "openmp double";
+  const Scene& scene_;
+  const VerifyOptions& options_;
+  Model model_;
+  PlanRequest plain_;
+  std::vector<double> sizes_; ///< m; diagonal of each body's box at rest
+  double duration_ = 0;       ///< s; of a stretch
+  std::vector<Stretch> stretches_;
+  VerifyReport report_;
+};
+
+} // namespace
+
+bool VerifyReport::Pair::within() const {
+  return std::all_of(fields.begin(), fields.end(),
+                     [](const FieldDifference& field) { return field.max_relative <= verify_limit; });
+}
+
+bool VerifyReport::run_to_run_identical() const {
+  return std::all_of(run_to_run.begin(), run_to_run.end(), [](const Hashes& one) { return one.identical(); });
+}
+
+bool VerifyReport::threads_identical() const {
+  return std::all_of(threads.begin(), threads.end(), [](const Hashes& one) { return one.identical(); });
+}
+
+bool VerifyReport::good() const {
+  return run_to_run_identical() && threads_identical() &&
+         std::all_of(pairs.begin(), pairs.end(), [](const Pair& pair) { return pair.within(); }) &&
+         std::all_of(kernels.begin(), kernels.end(), [](const Kernels& row) { return row.mismatch.empty(); });
+}
+
+VerifyReport verify_scene(Scene scene, const VerifyOptions& options) {
+  if (options.every == 0 || options.steps == 0 || options.steps % options.every != 0)
+    throw Error(ExitCode::usage,
+                fmt::format("{} steps are no whole number of stretches of {}: choose --steps as a multiple "
+                            "of --every",
+                            options.steps, options.every));
+  scene.solver.iterations = options.iterations;
+  scene.solver.fixed_iterations = true;
+  return Verification(scene, options).run();
+}
+
+} // namespace pliant

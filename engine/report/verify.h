@@ -1,0 +1,77 @@
+// Do the backends agree? A run in double on the CPU is the master; from its states every other device runs a
+// stretch with the same number of iterations in each step, and the fields at the end are compared.
+//
+//   master  0 ----> 10 ----> 20 ----> ... ----> 100      openmp, double
+//           |        |        |
+//           +--> ?   +--> ?   +--> ?                      each other device: judged
+//           +-------------------------------------> ?     the same without restarts: reported only, for
+//           differences
+//                                                         grow with time in any motion that is not damped
+#pragma once
+
+#include "engine/scene/scene.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// Largest difference of a field after a stretch, relative to its scale. Float rounding of a few hundred
+/// operations on numbers the size of the body leaves it ten times below; a wrong term shows up far above.
+inline constexpr double verify_limit = 1e-4;
+
+struct VerifyOptions {
+  unsigned steps = 100;     ///< of the master
+  unsigned every = 10;      ///< length of a stretch, steps
+  unsigned iterations = 20; ///< of each step, whatever its residual
+  bool kernels = true;      ///< run one step on each GL device with every kernel replayed on the CPU
+  /// Lines of progress.
+  std::function<void(const std::string&)> say = [](const std::string&) {};
+};
+
+struct FieldDifference {
+  std::string name;
+  double max_relative = 0;    ///< of all particles, and of all stretches
+  double median_relative = 0; ///< of the particles; the largest of all stretches
+};
+
+struct VerifyReport {
+  struct Pair {
+    std::string a, b;
+    unsigned steps = 0; ///< of a stretch
+    unsigned stretches = 0;
+    std::vector<FieldDifference> fields; ///< position by the body's size; velocity by the largest speed
+    bool within() const;
+  };
+  struct Hashes {
+    std::string device;
+    std::string first, second;
+    bool identical() const { return first == second; }
+  };
+  struct Kernels {
+    std::string device;
+    std::size_t compared = 0;
+    std::string mismatch; ///< empty: none
+  };
+  std::string scene;
+  std::size_t particles = 0, bonds = 0;
+  unsigned iterations = 0;
+  std::vector<Pair> pairs;    ///< judged
+  std::vector<Pair> unbroken; ///< reported
+  std::vector<Hashes> run_to_run, threads;
+  std::vector<Kernels> kernels;
+  std::vector<std::string> skipped; ///< devices that are not usable, and why
+  bool run_to_run_identical() const;
+  bool threads_identical() const;
+  bool good() const;
+};
+
+/// Throws Error(usage) where `steps` is no multiple of `every`, and what assembling and setting up throw.
+VerifyReport verify_scene(Scene scene, const VerifyOptions& options);
+std::string verify_text(const VerifyReport& report);
+nlohmann::json verify_json(const VerifyReport& report);
+
+} // namespace pliant
