@@ -21,8 +21,12 @@ namespace {
 
 using Real4d = Real4<double>;
 
-Real4d pack(const Vector3& v, double w = 0) { return {v.x(), v.y(), v.z(), w}; }
-Vector3 unpack(const Real4d& v) { return {v.x, v.y, v.z}; }
+Real4d pack(const Vector3& v, double w = 0) {
+  return {v.x(), v.y(), v.z(), w};
+}
+Vector3 unpack(const Real4d& v) {
+  return {v.x, v.y, v.z};
+}
 
 /// A body's positions stay within a few quanta of its origin; origins move by whole quanta.
 double origin_quantum(const Model& model, const BodyModel& body) {
@@ -39,7 +43,8 @@ std::uint32_t anchor_of(const Model& model, const BodyModel& body) {
   if (body.count > 0) middle /= body.count;
   std::uint32_t best = body.first;
   for (std::uint32_t i = body.first; i < body.first + body.count; ++i)
-    if ((model.reference[i] - middle).squaredNorm() < (model.reference[best] - middle).squaredNorm()) best = i;
+    if ((model.reference[i] - middle).squaredNorm() < (model.reference[best] - middle).squaredNorm())
+      best = i;
   return best;
 }
 
@@ -103,7 +108,8 @@ Simulation::Simulation(Device& device, const Scene& scene, const Model& model, c
     deviatoric_ = material.split;
     swap_rows_ = material.inversion == "swap";
   }
-  for (const BodyModel& body : model.bodies) scene_origin_ += body.origin / static_cast<double>(model.bodies.size());
+  for (const BodyModel& body : model.bodies)
+    scene_origin_ += body.origin / static_cast<double>(model.bodies.size());
   // Snapped, so that moving a scene by a round distance moves no bit of it.
   const double grain = std::exp2(std::ceil(std::log2(model.spacing)) + 6);
   scene_origin_ = (scene_origin_ / grain).array().round() * grain;
@@ -113,13 +119,15 @@ Simulation::Simulation(Device& device, const Scene& scene, const Model& model, c
     contacts_ = std::make_unique<Contacts>(device_, scene, model, scene_origin_);
   choose_step(time_step_);
   if (plan_.frames) frame_ = std::make_unique<FrameOutput>(*this);
+  prepare_kernels(device_, plan_);
 }
 
 Simulation::~Simulation() = default;
 
 void Simulation::allocate() {
   for (const BufferSpec& spec : plan_.buffers)
-    if (Buffer* buffer = state_->find(spec.name)) *buffer = device_.allocate(spec.name, spec.type, spec.count);
+    if (Buffer* buffer = state_->find(spec.name))
+      *buffer = device_.allocate(spec.name, spec.type, spec.count);
 }
 
 void Simulation::upload(const SlicedBonds& bonds) {
@@ -138,7 +146,8 @@ void Simulation::upload(const SlicedBonds& bonds) {
   for (std::size_t i = 0; i < n; ++i)
     rows[i] = pack(model_.position[i] - model_.bodies[model_.body[i]].origin, model_.mass[i]);
   device_.upload(s.position, rows);
-  for (std::size_t i = 0; i < n; ++i) rows[i] = pack(model_.velocity[i], 1); // as if falling: nothing held it yet
+  for (std::size_t i = 0; i < n; ++i)
+    rows[i] = pack(model_.velocity[i], 1); // as if falling: nothing held it yet
   device_.upload(s.velocity, rows);
   const std::vector<double> stiffness = diagonal_stiffness(model_);
   for (std::size_t i = 0; i < n; ++i) rows[i] = {0, 0, 0, stiffness[i]};
@@ -166,8 +175,7 @@ void Simulation::upload(const SlicedBonds& bonds) {
   device_.upload(s.bond, packed);
   device_.upload(s.weight, weights);
   upload_shapes();
-  if (plan_.momentum || plan_.statistics)
-    device_.write(s.chunk, 0, std::as_bytes(std::span(chunks_.chunk)));
+  if (plan_.momentum || plan_.statistics) device_.write(s.chunk, 0, std::as_bytes(std::span(chunks_.chunk)));
   if (plan_.momentum) device_.write(s.component, 0, std::as_bytes(std::span(chunks_.component)));
 }
 
@@ -199,11 +207,13 @@ void Simulation::upload_shapes() {
       const double cut = 1e-4 * values.sum();
       for (double& value : values) value = value > cut && value > 0 ? 1 / value : 0;
       const Matrix3 inverse = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
-      const double six[] = {inverse(0, 0), inverse(0, 1), inverse(0, 2), inverse(1, 1), inverse(1, 2), inverse(2, 2)};
+      const double six[] = {inverse(0, 0), inverse(0, 1), inverse(0, 2),
+                            inverse(1, 1), inverse(1, 2), inverse(2, 2)};
       for (std::size_t r = 0; r < 6; ++r) rows[r * range.count + local] = six[r];
     }
     for (std::size_t r = 0; r < 6; ++r)
-      device_.upload(state_->shape, std::span(rows).subspan(r * range.count, range.count), (r + 2) * n + range.first);
+      device_.upload(state_->shape, std::span(rows).subspan(r * range.count, range.count),
+                     (r + 2) * n + range.first);
   }
 }
 
@@ -225,8 +235,8 @@ void Simulation::choose_step(double step) {
                              ? std::numeric_limits<double>::epsilon()
                              : std::numeric_limits<float>::epsilon();
   floor_ = epsilon * model_.spacing * std::sqrt(noise);
-  // Spectral radius of Jacobi's iteration, 1 - 1 / (1 + eta); a contact adds as much stiffness again. No closer to one
-  // than the budget can resolve: that would only add oscillation.
+  // Spectral radius of Jacobi's iteration, 1 - 1 / (1 + eta); a contact adds as much stiffness again. No
+  // closer to one than the budget can resolve: that would only add oscillation.
   const double eta = stiffness_number_ * (contacts_ ? 2 : 1);
   const double reduction = std::log(2 / std::min(std::max(scene_.solver.tolerance, 1e-3), 0.2));
   const double resolved = 0.5 * std::pow(reduction / std::max(iterations_, 1u), 2);
@@ -272,7 +282,8 @@ void Simulation::gather_held(double time) {
   std::vector<Real4d> rows;
   for (const Motion& motion : model_.motions) {
     const RigidMap map = motion_at(motion, time);
-    const Vector3 shift = map(scene_origin_) - scene_origin_; // device coordinates are relative to the scene's origin
+    const Vector3 shift =
+        map(scene_origin_) - scene_origin_; // device coordinates are relative to the scene's origin
     for (int r = 0; r < 3; ++r) rows.push_back(pack(map.rotation.row(r), shift[r]));
   }
   device_.upload(s.motion, rows);
@@ -291,9 +302,11 @@ void Simulation::gather_held(double time) {
 }
 
 std::vector<Vector3> Simulation::positions() {
-  const std::vector<Real4d> y = device_.download_real4(state_->position), o = device_.download_real4(state_->origin);
+  const std::vector<Real4d> y = device_.download_real4(state_->position),
+                            o = device_.download_real4(state_->origin);
   std::vector<Vector3> world(y.size());
-  for (std::size_t i = 0; i < y.size(); ++i) world[i] = scene_origin_ + unpack(o[model_.body[i]]) + unpack(y[i]);
+  for (std::size_t i = 0; i < y.size(); ++i)
+    world[i] = scene_origin_ + unpack(o[model_.body[i]]) + unpack(y[i]);
   return world;
 }
 
@@ -314,7 +327,8 @@ Snapshot Simulation::snapshot() {
     state.felt_gravity.push_back(v.w);
   }
   if (plan_.bdf2) {
-    for (const Real4d& v : device_.download_real4(s.earlier_velocity)) state.earlier_velocity.push_back(unpack(v));
+    for (const Real4d& v : device_.download_real4(s.earlier_velocity))
+      state.earlier_velocity.push_back(unpack(v));
     for (const Real4d& v : device_.download_real4(s.earlier_shift)) state.earlier_shift.push_back(unpack(v));
   }
   if (plan_.corotated) state.rotation = device_.download_real4(s.rotation);
@@ -325,8 +339,8 @@ void Simulation::restore(const Snapshot& state) {
   State& s = *state_;
   const std::size_t n = model_.count();
   if (state.position.size() != n || state.velocity.size() != n)
-    throw Error(ExitCode::internal, "a state of " + std::to_string(state.position.size()) + " particles given to a scene of " +
-                                        std::to_string(n));
+    throw Error(ExitCode::internal, "a state of " + std::to_string(state.position.size()) +
+                                        " particles given to a scene of " + std::to_string(n));
   step_ = state.step;
   const std::vector<Real4d> o = device_.download_real4(s.origin);
   std::vector<Real4d> rows(n);
@@ -347,6 +361,8 @@ void Simulation::restore(const Snapshot& state) {
   held_count_ = ~0u; // whoever is held at the new time is sent again
 }
 
-FrameOutput* Simulation::frame() { return frame_.get(); }
+FrameOutput* Simulation::frame() {
+  return frame_.get();
+}
 
 } // namespace pliant

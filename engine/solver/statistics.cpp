@@ -127,7 +127,8 @@ std::vector<StepStatistics> Simulation::take_statistics(bool wait) {
 
 void Simulation::load_displacement(const std::vector<Vector3>& positions) {
   State& s = *state_;
-  const std::vector<Real4<double>> y = device_.download_real4(s.position), o = device_.download_real4(s.origin);
+  const std::vector<Real4<double>> y = device_.download_real4(s.position),
+                                   o = device_.download_real4(s.origin);
   if (positions.size() != y.size())
     throw Error(ExitCode::internal,
                 fmt::format("{} positions given for {} particles", positions.size(), y.size()));
@@ -153,7 +154,7 @@ std::vector<Vector3> Simulation::elastic_forces(const std::vector<Vector3>& posi
 }
 
 double Simulation::elastic_energy(const std::vector<Vector3>& positions) {
-  if (!plan_.statistics) throw Error(ExitCode::internal, "energies are not in this simulation's plan");
+  if (!plan_.energy) throw Error(ExitCode::internal, "energies are not in this simulation's plan");
   load_displacement(positions);
   energies();
   double sum = 0;
@@ -176,6 +177,8 @@ std::string Simulation::hash() {
   return fmt::format("{:016x}", hash);
 }
 
-void Simulation::measure(bool on) { device_.measure(on); }
+void Simulation::measure(bool on) {
+  device_.measure(on);
+}
 
 } // namespace pliant

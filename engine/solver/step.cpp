@@ -1,5 +1,6 @@
-// One time step, as He, Wang and Wu (2017) write it in section 4: predict, then alternate a local step, which finds
-// what each particle's neighbourhood would like to be, with a global step, which moves the particles there.
+// One time step, as He, Wang and Wu (2017) write it in section 4: predict, then alternate a local step, which
+// finds what each particle's neighbourhood would like to be, with a global step, which moves the particles
+// there.
 #include "engine/solver/contact.h"
 #include "engine/solver/simulation.h"
 #include "engine/solver/state.h"
@@ -12,10 +13,12 @@ namespace pliant {
 
 namespace {
 
-constexpr unsigned check_every = 8;   ///< iterations between looks at the residual; more costs more than it saves
-constexpr unsigned run_ahead = 2;     ///< checks that a device may lag behind the host
+constexpr unsigned check_every =
+    8;                            ///< iterations between looks at the residual; more costs more than it saves
+constexpr unsigned run_ahead = 2; ///< checks that a device may lag behind the host
 constexpr unsigned rebase_every = 32; ///< steps
-/// Iterations at which contacts are searched anew; the set is frozen after the last, or nothing would converge.
+/// Iterations at which contacts are searched anew; the set is frozen after the last, or nothing would
+/// converge.
 constexpr unsigned contact_search[] = {0, 8, 24};
 
 bool searches(unsigned iteration) {
@@ -34,8 +37,8 @@ void Simulation::step() {
     const bool search = contacts_ && plan_.pairs && searches(k) && k < iterations_;
     const bool checked = k % check_every == 0 || k == iterations_ || search;
     if (search) contacts_->find(contact_state());
-    local_step();                    // Y*, or R and theta: Eqs. 4, 10, 11
-    elastic_force();                 // right side of Eq. 12
+    local_step();    // Y*, or R and theta: Eqs. 4, 10, 11
+    elastic_force(); // right side of Eq. 12
     contact_force();
     global_step(k, checked, search); // one Jacobi iteration with Chebyshev acceleration, section 4.2
     if (checked && solve_ended()) break;
@@ -264,7 +267,8 @@ void Simulation::restore_momentum() {
   if (!plan_.momentum) return;
   State& s = *state_;
   device_.enter("momentum");
-  const auto chunk_threads = static_cast<std::uint32_t>(chunks_.chunk.size()) * kernels::component_moments::group_size;
+  const auto chunk_threads =
+      static_cast<std::uint32_t>(chunks_.chunk.size()) * kernels::component_moments::group_size;
   // The rotation is found to first order; a second pass takes out what the first left.
   for (int pass = 0; pass < 2; ++pass) {
     device_.run(kernels::component_moments::Args{.threads = chunk_threads,
@@ -275,10 +279,11 @@ void Simulation::restore_momentum() {
                                                  .inertia_target = s.inertia_target,
                                                  .touched = contacts_ ? contacts_->touched() : nullptr,
                                                  .moment = s.moment});
-    device_.run(kernels::component_motion::Args{.threads = static_cast<std::uint32_t>(chunks_.component.size()),
-                                                .component = s.component,
-                                                .moment = s.moment,
-                                                .rigid = s.rigid});
+    device_.run(
+        kernels::component_motion::Args{.threads = static_cast<std::uint32_t>(chunks_.component.size()),
+                                        .component = s.component,
+                                        .moment = s.moment,
+                                        .rigid = s.rigid});
     device_.run(kernels::component_apply::Args{.threads = chunk_threads,
                                                .chunk = s.chunk,
                                                .rigid = s.rigid,
@@ -289,7 +294,7 @@ void Simulation::restore_momentum() {
 
 void Simulation::advance() {
   State& s = *state_;
-  if (plan_.statistics) energies(); // of the end state, seen from its start
+  if (plan_.energy) energies(); // of the end state, seen from its start
   const Vector3& g = scene_.simulation.gravity;
   device_.enter("motion");
   device_.run(kernels::advance::Args{.threads = static_cast<std::uint32_t>(plan_.particles),
