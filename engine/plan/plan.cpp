@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 
 namespace pliant {
 
@@ -17,6 +18,14 @@ namespace {
 bool any_law(const Model& model, Law law) {
   return std::any_of(model.laws.begin(), model.laws.end(),
                      [law](const LawRange& range) { return range.law == law && range.count > 0; });
+}
+
+bool swaps_rows(const Scene& scene) {
+  const Material* last =
+      nullptr; // the simulation takes the law's settings from the last material that has it
+  for (const Material& material : scene.materials)
+    if (material.law == law_name(Law::projective)) last = &material;
+  return last && last->inversion == "swap";
 }
 
 /// Adds what each component needs; each function is one component.
@@ -35,9 +44,13 @@ public:
     buffer("origin_shift", Type::real4, model_.bodies.size());
     buffer("anchor", Type::uint, model_.bodies.size());
     buffer("owner", Type::uint, n_);
-    kernels<kernels::predict::Args, kernels::advance::Args, kernels::rebase_origin::Args,
-            kernels::rebase_position::Args>();
+    const std::uint32_t loaded = plan_.loaded, history = plan_.bdf2;
+    kernel(kernels::predict::Args{.loaded = loaded}); // also the first step of BDF2
+    kernel(kernels::advance::Args{.history = history});
+    kernels<kernels::rebase_origin::Args, kernels::rebase_position::Args>();
     begin("bdf2", plan_.bdf2);
+    kernel(kernels::predict::Args{.bdf2 = 1, .loaded = loaded});
+    kernel(kernels::advance::Args{.bdf2 = 1, .history = 1});
     buffer("earlier_velocity", Type::real4, n_);
     buffer("earlier_shift", Type::real4, n_);
     begin("held particles", plan_.held);
@@ -58,7 +71,9 @@ public:
     buffer("solver", Type::real, SOLVER_ENTRIES);
     const std::size_t group = kernels::chebyshev_step::group_size;
     buffer("residual_partial", Type::real, (n_ + group - 1) / group);
-    kernels<kernels::chebyshev_step::Args, kernels::residual_control::Args, kernels::guard_apply::Args>();
+    kernel(kernels::chebyshev_step::Args{.checked = 0});
+    kernel(kernels::chebyshev_step::Args{.checked = 1});
+    kernels<kernels::residual_control::Args, kernels::guard_apply::Args>();
   }
 
   void elasticity() {
@@ -78,7 +93,8 @@ public:
     kernels<kernels::ordinary_state::Args, kernels::ordinary_force::Args>();
     begin("projective elasticity", plan_.projective);
     buffer("record", Type::real4, 3 * n_);
-    kernels<kernels::projective_state::Args, kernels::projective_force::Args>();
+    kernel(kernels::projective_state::Args{.swap_rows = swaps_rows(scene_)});
+    kernels<kernels::projective_force::Args>();
   }
 
   void contacts() {
@@ -91,7 +107,7 @@ public:
       for (const BufferSpec& spec : needs.buffers)
         if (spec.component == component) buffer(spec.name, spec.type, spec.count);
       for (const KernelSpec& spec : needs.kernels)
-        if (spec.component == component) kernel(*spec.info);
+        if (spec.component == component) kernel(spec);
     }
   }
 
@@ -101,16 +117,17 @@ public:
     buffer("component", Type::uint4, chunks.component.size());
     buffer("moment", Type::real4, 5 * chunks.chunk.size());
     buffer("rigid", Type::real4, 3 * chunks.component.size());
-    kernels<kernels::component_moments::Args, kernels::component_motion::Args,
-            kernels::component_apply::Args>();
-    begin("statistics", plan_.statistics);
-    buffer("chunk", Type::uint4, chunks.chunk.size());
-    buffer("chunk_sum", Type::real4, 2 * chunks.chunk.size());
-    buffer("statistics", Type::real, std::size_t{16} * statistics_rows);
+    kernel(kernels::component_moments::Args{.contacts = plan_.boundaries || plan_.pairs});
+    kernels<kernels::component_motion::Args, kernels::component_apply::Args>();
+    begin("energy", plan_.energy);
     buffer("energy", Type::real, n_);
     if (plan_.corotated) kernels<kernels::corotated_energy::Args>();
     if (plan_.ordinary) kernels<kernels::ordinary_energy::Args>();
     if (plan_.projective) kernels<kernels::projective_energy::Args>();
+    begin("statistics", plan_.statistics);
+    buffer("chunk", Type::uint4, chunks.chunk.size());
+    buffer("chunk_sum", Type::real4, 2 * chunks.chunk.size());
+    buffer("statistics", Type::real, std::size_t{16} * statistics_rows);
     kernels<kernels::statistics_chunk::Args, kernels::statistics_total::Args>();
   }
 
@@ -125,7 +142,7 @@ public:
       for (const BufferSpec& spec : needs.buffers)
         if (spec.component == name) buffer(spec.name, spec.type, spec.count);
       for (const KernelSpec& spec : needs.kernels)
-        if (spec.component == name) kernel(*spec.info);
+        if (spec.component == name) kernel(spec);
     }
   }
 
@@ -139,13 +156,15 @@ private:
     if (!active_ || plan_.find(name)) return;
     plan_.buffers.push_back({name, type, count, component_});
   }
-  void kernel(const KernelInfo& info) {
+  void kernel(const KernelSpec& wanted) {
     if (!active_) return;
-    const auto same = [&](const KernelSpec& spec) { return spec.info == &info; };
-    if (std::none_of(plan_.kernels.begin(), plan_.kernels.end(), same))
-      plan_.kernels.push_back({&info, component_});
+    const auto same = [&](const KernelSpec& spec) {
+      return spec.info == wanted.info && spec.options == wanted.options;
+    };
+    if (std::none_of(plan_.kernels.begin(), plan_.kernels.end(), same)) plan_.kernels.push_back(wanted);
   }
-  template <class... Args> void kernels() { (kernel(Args::info()), ...); }
+  template <class Args> void kernel(const Args& args) { kernel(kernel_variant(args, component_)); }
+  template <class... Args> void kernels() { (kernel(Args{}), ...); }
 
   Plan& plan_;
   const Scene& scene_;
@@ -202,6 +221,9 @@ Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds,
   plan.loaded = !model.loads.empty();
   plan.momentum = scene.solver.restore_momentum && model.count() > 0;
   plan.statistics = request.statistics;
+  const bool drawn = scene.render.color == "energy" || std::find(request.fields.begin(), request.fields.end(),
+                                                                 "energy") != request.fields.end();
+  plan.energy = request.statistics || (request.frames && drawn);
   Planner planner(plan, scene, model, bonds);
   planner.motion();
   planner.solver();
@@ -210,6 +232,21 @@ Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds,
   planner.sums(make_chunks(model));
   planner.frames(request);
   return plan;
+}
+
+void prepare_kernels(Device& device, const Plan& plan) {
+  for (const KernelSpec& spec : plan.kernels) {
+    // A device compiles from the options alone: the rest of Args stays zero. Held in doubles for their
+    // alignment.
+    std::vector<double> args(2);
+    for (const Field& field : spec.info->fields)
+      args.resize(std::max(args.size(), field.offset / sizeof(double) + 2));
+    auto option = spec.options.begin();
+    for (const Field& field : spec.info->fields)
+      if (field.role == Role::option && option != spec.options.end())
+        std::memcpy(reinterpret_cast<char*>(args.data()) + field.offset, &*option++, sizeof *option);
+    device.prepare(*spec.info, args.data());
+  }
 }
 
 Chunks make_chunks(const Model& model) {

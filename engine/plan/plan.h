@@ -22,13 +22,13 @@ struct PlanRequest {
 struct Plan {
   // Components.
   bool corotated = false, ordinary = false, projective = false;
-  bool bdf2 = false, held = false, loaded = false, momentum = false, statistics = false;
+  bool bdf2 = false, held = false, loaded = false, momentum = false, statistics = false, energy = false;
   bool boundaries = false, pairs = false;
   bool frames = false, surfaces = false, strain = false;
 
   std::size_t particles = 0, bonds = 0;
   std::vector<BufferSpec> buffers;
-  std::vector<KernelSpec> kernels;
+  std::vector<KernelSpec> kernels;         ///< variants: a kernel may come more than once
   std::vector<std::string> used, left_out; ///< names of components
 
   /// Bytes on a device of this precision; of the bond buffers alone, of the rest alone.
@@ -39,6 +39,9 @@ struct Plan {
 };
 
 Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds, const PlanRequest& request);
+
+/// Compiles every variant that the plan lists, so that no step has to.
+void prepare_kernels(Device& device, const Plan& plan);
 
 /// A run of at most chunk_size particles of one component: the unit of sums.
 inline constexpr std::uint32_t chunk_size = 1024;

@@ -55,8 +55,8 @@ ContactPlan plan_contacts(const Scene& scene, const Model& model) {
   plan.between = scene.contact.bodies && model.bodies.size() > 1;
   plan.within = scene.contact.self && std::any_of(model.bodies.begin(), model.bodies.end(),
                                                   [](const BodyModel& body) { return body.self_contact; });
-  const auto kernel = [&](const KernelInfo& info, const char* where) {
-    plan.kernels.push_back({&info, where});
+  const auto kernel = [&](const auto& args, const char* where) {
+    plan.kernels.push_back(kernel_variant(args, where));
   };
   const auto buffer = [&](const char* name, Type type, std::size_t count, const char* where) {
     plan.buffers.push_back({name, type, count, where});
@@ -70,7 +70,7 @@ ContactPlan plan_contacts(const Scene& scene, const Model& model) {
       buffer("obstacle_grid", Type::uint4, OBSTACLES, boundary_component);
       buffer("grid_distance", Type::real, obstacles.grid_nodes(), boundary_component);
     }
-    kernel(kernels::boundary_contact::Args::info(), boundary_component);
+    kernel(kernels::boundary_contact::Args{.meshes = plan.meshes}, boundary_component);
   }
   if (plan.pairs()) {
     plan.cells = std::bit_ceil(std::max(plan.particles, 256u));
@@ -89,14 +89,17 @@ ContactPlan plan_contacts(const Scene& scene, const Model& model) {
       buffer("self_contact", Type::uint, model.bodies.size(), component);
       buffer("law_range", Type::uint4, 4, component);
     }
-    for (const KernelInfo* info :
-         {&kernels::contact_start::Args::info(), &kernels::grid_clear::Args::info(),
-          &kernels::grid_count::Args::info(), &kernels::grid_sum::Args::info(),
-          &kernels::grid_totals::Args::info(), &kernels::grid_scan::Args::info(),
-          &kernels::grid_place::Args::info(), &kernels::grid_sort::Args::info(),
-          &kernels::contact_find::Args::info(), &kernels::contact_mutual::Args::info(),
-          &kernels::contact_force::Args::info()})
-      kernel(*info, component);
+    kernel(kernels::contact_start::Args{}, component);
+    kernel(kernels::grid_clear::Args{}, component);
+    kernel(kernels::grid_count::Args{}, component);
+    kernel(kernels::grid_sum::Args{}, component);
+    kernel(kernels::grid_totals::Args{}, component);
+    kernel(kernels::grid_scan::Args{}, component);
+    kernel(kernels::grid_place::Args{}, component);
+    kernel(kernels::grid_sort::Args{}, component);
+    kernel(kernels::contact_find::Args{.between = plan.between, .within = plan.within}, component);
+    kernel(kernels::contact_mutual::Args{}, component);
+    kernel(kernels::contact_force::Args{.alone = !plan.boundaries}, component);
   }
   return plan;
 }

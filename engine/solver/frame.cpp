@@ -23,6 +23,12 @@ constexpr std::array colours{
     Colour{"body", "", 0}, Colour{"velocity", "speed (m/s)", 1}, Colour{"strain", "equivalent strain", 2},
     Colour{"energy", "energy density (J/m3)", 3}, Colour{"displacement", "displacement (m)", 4}};
 
+std::uint32_t colour_option(const Scene& scene) {
+  for (const Colour& colour : colours)
+    if (scene.render.color == colour.name) return colour.option;
+  return 0;
+}
+
 bool contains(const std::vector<std::string>& names, const char* name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -47,7 +53,8 @@ FrameNeeds frame_needs(const Scene& scene, const Model& model, const PlanRequest
   const bool start = scene.render.color == "displacement" || scene.render.color == "energy";
   needs.buffers.push_back({"particle", Type::real4, n, "frames"});
   if (start) needs.buffers.push_back({"start", Type::real4, n, "frames"});
-  needs.kernels.push_back({&kernels::frame_particles::Args::info(), "frames"});
+  needs.kernels.push_back(
+      kernel_variant(kernels::frame_particles::Args{.field = colour_option(scene)}, "frames"));
   if (needs.strain) {
     needs.buffers.push_back({"gradient", Type::real4, 3 * n, "strain"});
     needs.kernels.push_back({&kernels::deformation::Args::info(), "strain"});
@@ -75,8 +82,7 @@ FrameOutput::FrameOutput(Simulation& simulation) : simulation_(simulation) {
   for (const auto& [name, buffer] : members)
     if (const BufferSpec* spec = plan.find(name))
       *buffer = device.allocate(spec->name, spec->type, spec->count);
-  for (const Colour& colour : colours)
-    if (simulation.scene_.render.color == colour.name) colour_ = colour.option;
+  colour_ = colour_option(simulation.scene_);
   if (start_) {
     std::vector<Real4<double>> rows;
     for (std::size_t i = 0; i < model.count(); ++i)
@@ -155,7 +161,7 @@ std::vector<float> FrameOutput::field(const std::string& name, unsigned& compone
     for (std::size_t i = 0; i < rows.size(); i += 3) values.push_back(static_cast<float>(rows[i].w));
     return values;
   }
-  if (name == "energy" && simulation_.plan_.statistics) {
+  if (name == "energy" && simulation_.plan_.energy) {
     const std::vector<double> energy = device.download_real(simulation_.state_->energy);
     for (std::size_t i = 0; i < energy.size(); ++i)
       values.push_back(static_cast<float>(energy[i] / model.volume[i]));

@@ -119,6 +119,7 @@ Simulation::Simulation(Device& device, const Scene& scene, const Model& model, c
     contacts_ = std::make_unique<Contacts>(device_, scene, model, scene_origin_);
   choose_step(time_step_);
   if (plan_.frames) frame_ = std::make_unique<FrameOutput>(*this);
+  prepare_kernels(device_, plan_);
 }
 
 Simulation::~Simulation() = default;

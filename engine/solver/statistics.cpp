@@ -154,7 +154,7 @@ std::vector<Vector3> Simulation::elastic_forces(const std::vector<Vector3>& posi
 }
 
 double Simulation::elastic_energy(const std::vector<Vector3>& positions) {
-  if (!plan_.statistics) throw Error(ExitCode::internal, "energies are not in this simulation's plan");
+  if (!plan_.energy) throw Error(ExitCode::internal, "energies are not in this simulation's plan");
   load_displacement(positions);
   energies();
   double sum = 0;

@@ -294,7 +294,7 @@ void Simulation::restore_momentum() {
 
 void Simulation::advance() {
   State& s = *state_;
-  if (plan_.statistics) energies(); // of the end state, seen from its start
+  if (plan_.energy) energies(); // of the end state, seen from its start
   const Vector3& g = scene_.simulation.gravity;
   device_.enter("motion");
   device_.run(kernels::advance::Args{.threads = static_cast<std::uint32_t>(plan_.particles),
