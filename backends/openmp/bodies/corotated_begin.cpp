@@ -1,26 +1,35 @@
 // What one step's solve keeps of the positions at its start; see kernels/corotated_begin.decl.
 #include "kernels/corotated_begin.h"
 #include "backends/openmp/body.h"
-#include "backends/openmp/slice.h"
+#include "backends/openmp/simd.h"
 
 namespace pliant::openmp::PLIANT_ISA {
 
 template <class real> void corotated_begin(const kernels::corotated_begin::View<real>& k) {
+  const real unit = grid_unit(k.unit);
 #pragma omp parallel for schedule(static)
-  for (uint local = 0; local < k.threads; ++local) {
-    const uint i = k.first + local;
-    const Vec3<real> yi = xyz(k.position[i]);
-    Mat3<real> s = zero_matrix<real>();
-    Vec3<real> linear{0, 0, 0};
-    for_each_bond(k, local, [&](uint j, Vec3<real> xi, real c_out, real c_in) {
-      const Vec3<real> y = xyz(k.position[j]) - yi;
-      add_outer(s, c_out, y, xi);
-      linear = linear + (c_out + c_in) * y;
+  for (uint slice = 0; slice < slice_count(k.threads); ++slice)
+    for_each_part(k, slice, [&](const Part<real>& part, uint local) {
+      const uint i = part.first;
+      const Wide4<real> yi = gather(k.position, part.index);
+      Wide<real> s[3][3] = {};
+      Wide3<real> linear{};
+      for_each_bond_of_part(k, local, [&](const uint* j, Wide3<real> xi, Wide<real> c_out, Wide<real> c_in) {
+        const Wide4<real> yj = gather(k.position, j);
+        const Wide3<real> y{yj.x - yi.x, yj.y - yi.y, yj.z - yi.z};
+        xi = {c_out * xi.x, c_out * xi.y, c_out * xi.z};
+        s[0][0] += y.x * xi.x, s[0][1] += y.x * xi.y, s[0][2] += y.x * xi.z;
+        s[1][0] += y.y * xi.x, s[1][1] += y.y * xi.y, s[1][2] += y.y * xi.z;
+        s[2][0] += y.z * xi.x, s[2][1] += y.z * xi.y, s[2][2] += y.z * xi.z;
+        const Wide<real> c = c_out + c_in;
+        linear.x += c * y.x, linear.y += c * y.y, linear.z += c * y.z;
+      });
+      for (uint r = 0; r < 3; ++r)
+        for (uint c = 0; c < 3; ++c)
+          store_reals(k.shape + std::size_t{3 * r + c + 2} * k.stride + i, part.count, unit * s[r][c]);
+      const Wide4<real> start = gather(k.linear_start, part.index);
+      store(k.linear_start + i, part.count, Wide4<real>{linear.x, linear.y, linear.z, start.w});
     });
-    for (uint r = 0; r < 3; ++r)
-      for (uint c = 0; c < 3; ++c) k.shape[std::size_t{3 * r + c + 2} * k.stride + i] = s.m[r][c];
-    k.linear_start[i] = {linear.x, linear.y, linear.z, k.linear_start[i].w};
-  }
 }
 
 PLIANT_BODY(corotated_begin)

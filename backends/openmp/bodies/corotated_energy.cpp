@@ -1,29 +1,37 @@
 // Energy of law M4 at each particle; see kernels/corotated_energy.decl.
 #include "kernels/corotated_energy.h"
 #include "backends/openmp/body.h"
-#include "backends/openmp/slice.h"
+#include "backends/openmp/simd_rotation.h"
 
 namespace pliant::openmp::PLIANT_ISA {
 
 template <class real> void corotated_energy(const kernels::corotated_energy::View<real>& k) {
+  const real unit = grid_unit(k.unit);
 #pragma omp parallel for schedule(static)
-  for (uint local = 0; local < k.threads; ++local) {
-    const uint i = k.first + local;
-    const Vec3<real> yi = xyz(k.position[i]), ui = xyz(k.displacement[i]);
-    const Mat3<real> r = rotation_matrix(k.rotation[i]);
-    real deviation = 0, dilatation = 0;
-    for_each_bond(k, local, [&](uint j, Vec3<real> xi, real c_out, real) {
-      const Vec3<real> y = (xyz(k.position[j]) - yi) + (xyz(k.displacement[j]) - ui), target = r * xi;
-      const Vec3<real> off = y - target;
-      deviation += c_out * dot(off, off);
-      dilatation += c_out * dot(off, target);
+  for (uint slice = 0; slice < slice_count(k.threads); ++slice)
+    for_each_part(k, slice, [&](const Part<real>& part, uint local) {
+      const uint i = part.first;
+      const Wide4<real> yi = gather(k.position, part.index), ui = gather(k.displacement, part.index);
+      WideMat3<real> r = rotation_matrix<real>(gather(k.rotation, part.index));
+      for (auto& row : r.m)
+        for (Wide<real>& value : row) value *= unit;
+      Wide<real> deviation{}, dilatation{};
+      for_each_bond_of_part(k, local, [&](const uint* j, Wide3<real> xi, Wide<real> c_out, Wide<real>) {
+        const Wide4<real> yj = gather(k.position, j), uj = gather(k.displacement, j);
+        const Wide3<real> target{r.m[0][0] * xi.x + r.m[0][1] * xi.y + r.m[0][2] * xi.z,
+                                 r.m[1][0] * xi.x + r.m[1][1] * xi.y + r.m[1][2] * xi.z,
+                                 r.m[2][0] * xi.x + r.m[2][1] * xi.y + r.m[2][2] * xi.z};
+        const Wide3<real> off{(yj.x - yi.x) + (uj.x - ui.x) - target.x,
+                              (yj.y - yi.y) + (uj.y - ui.y) - target.y,
+                              (yj.z - yi.z) + (uj.z - ui.z) - target.z};
+        deviation += c_out * (off.x * off.x + off.y * off.y + off.z * off.z);
+        dilatation += c_out * (off.x * target.x + off.y * target.y + off.z * target.z);
+      });
+      const Wide<real> inverse_modulus = load_wide(k.shape + i), coupling = load_wide(k.shape + k.stride + i);
+      dilatation *= inverse_modulus; // theta - 1
+      const Wide<real> volumetric = coupling * dilatation * dilatation / inverse_modulus;
+      store_reals(k.energy + i, part.count, (deviation + (inverse_modulus > 0 ? volumetric : 0)) / 2);
     });
-    const real inverse_modulus = k.shape[i];
-    dilatation *= inverse_modulus; // theta - 1
-    const real coupling = k.shape[k.stride + i];
-    const real volumetric = inverse_modulus > 0 ? coupling * dilatation * dilatation / inverse_modulus : 0;
-    k.energy[i] = (deviation + volumetric) / 2;
-  }
 }
 
 PLIANT_BODY(corotated_energy)
