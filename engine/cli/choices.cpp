@@ -55,7 +55,8 @@ DeviceRequest DeviceChoice::request() const {
 }
 
 void add_backend(CLI::App& command, DeviceChoice& device) {
-  command.add_option("--backend", device.backend, "auto, openmp, gl or gl:N (see `pliant doctor`)", true)
+  command.add_option("--backend", device.backend, "auto, openmp, gl or gl:N (see `pliant doctor`)")
+      ->capture_default_str()
       ->type_name("NAME");
 }
 
@@ -66,7 +67,8 @@ void add_threads(CLI::App& command, DeviceChoice& device) {
 }
 
 void add_precision(CLI::App& command, DeviceChoice& device) {
-  command.add_option("--precision", device.precision, "float, or double (openmp only)", true)
+  command.add_option("--precision", device.precision, "float, or double (openmp only)")
+      ->capture_default_str()
       ->type_name("NAME")
       ->check(CLI::IsMember({"float", "double"}));
 }

@@ -57,8 +57,8 @@ void add_run(CLI::App& program, Action& action) {
   command->add_flag("--video", options->run.video, "make film.mp4 too (needs ffmpeg)");
   command->add_flag("--no-render", options->no_render, "no pictures; needs no GL device then");
   command
-      ->add_option("--progress", options->run.progress, "auto, bar, plain, json or none; on standard error",
-                   true)
+      ->add_option("--progress", options->run.progress, "auto, bar, plain, json or none; on standard error")
+      ->capture_default_str()
       ->type_name("NAME")
       ->check(CLI::IsMember({"auto", "bar", "plain", "json", "none"}));
   add_json(*command, options->json, "print run.json too, or write it to FILE");

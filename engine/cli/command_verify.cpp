@@ -40,15 +40,18 @@ void add_verify(CLI::App& program, Action& action) {
       "compare double with float and with GL, field by field and kernel by kernel; are runs repeatable");
   const auto options = std::make_shared<Options>();
   add_scene(*command, options->scene);
-  CLI::Option* steps = command
-                           ->add_option("--steps", options->verify.steps,
-                                        "of the run in double that others are compared with", true)
-                           ->type_name("N")
-                           ->check(CLI::Range(1u, 1'000'000u));
-  command->add_option("--every", options->verify.every, "steps from one restart to the next", true)
+  CLI::Option* steps =
+      command
+          ->add_option("--steps", options->verify.steps, "of the run in double that others are compared with")
+          ->capture_default_str()
+          ->type_name("N")
+          ->check(CLI::Range(1u, 1'000'000u));
+  command->add_option("--every", options->verify.every, "steps from one restart to the next")
+      ->capture_default_str()
       ->type_name("N")
       ->check(CLI::Range(1u, 1'000'000u));
-  command->add_option("--iterations", options->verify.iterations, "of each step, whatever its residual", true)
+  command->add_option("--iterations", options->verify.iterations, "of each step, whatever its residual")
+      ->capture_default_str()
       ->type_name("N")
       ->check(CLI::Range(1u, 1'000'000u));
   command->add_flag("--quick", options->quick, "two stretches instead of ten, and no replay of kernels");

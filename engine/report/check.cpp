@@ -3,6 +3,7 @@
 
 #include "engine/solver/simulation.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
