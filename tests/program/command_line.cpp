@@ -24,7 +24,7 @@ TEST_P(HelpOf, HasAnExampleThatCallsIt) {
 INSTANTIATE_TEST_SUITE_P(Commands, HelpOf,
                          testing::Values("run", "plan", "check", "verify", "bench", "doctor", "scenes", "new",
                                          "schema"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& chosen) { return std::string(chosen.param); });
 
 TEST(CommandLine, HelpNamesEveryCommandAndNoneThatIsNotBuilt) {
   const Folder folder;

@@ -93,8 +93,8 @@ TEST_F(Reports, DoctorKnowsTheProcessorAndNamesPackages) {
   for (const json& backend : doctor.at("backends")) {
     for (const char* key : {"backend", "name", "software", "usable", "missing"})
       EXPECT_TRUE(backend.contains(key)) << key;
-    if (backend.at("backend") == "openmp") openmp = backend.at("usable");
-    if (!backend.at("usable")) EXPECT_FALSE(backend.at("missing").get<std::string>().empty());
+    if (backend.at("backend") == "openmp") openmp = backend.at("usable").get<bool>();
+    if (!backend.at("usable").get<bool>()) EXPECT_FALSE(backend.at("missing").get<std::string>().empty());
   }
   EXPECT_TRUE(openmp);
   EXPECT_TRUE(doctor.at("libraries").contains("HDF5"));
@@ -144,8 +144,8 @@ TEST_F(Reports, VerifyFindsTheBackendsAgreed) {
   const Outcome outcome = pliant(
       folder, {"verify", "small.toml", "--steps", "6", "--every", "3", "--iterations", "10", "--json"});
   const json verify = parsed(outcome);
-  EXPECT_TRUE(verify.at("run_to_run_identical"));
-  EXPECT_TRUE(verify.at("threads_identical"));
+  EXPECT_TRUE(verify.at("run_to_run_identical").get<bool>());
+  EXPECT_TRUE(verify.at("threads_identical").get<bool>());
   EXPECT_GE(verify.at("pairs").size(), 1u);
   for (const json& pair : verify.at("pairs")) {
     EXPECT_EQ(pair.at("steps"), 3);
@@ -159,7 +159,7 @@ TEST_F(Reports, VerifyFindsTheBackendsAgreed) {
     }
   }
   for (const json& row : verify.at("kernels")) {
-    EXPECT_TRUE(row.at("agree")) << row;
+    EXPECT_TRUE(row.at("agree").get<bool>()) << row;
     EXPECT_GT(row.at("compared"), 5) << row;
   }
 }
