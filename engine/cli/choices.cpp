@@ -37,7 +37,7 @@ std::string SceneChoice::named(JsonChoice& json) const {
 }
 
 void add_scene(CLI::App& command, SceneChoice& scene) {
-  command.add_option("scene", scene.file, "a scene file (TOML)")->type_name("SCENE");
+  command.add_option("SCENE", scene.file, "a scene file (TOML)")->type_name("");
   command
       .add_option("--set", scene.overrides,
                   "change one value of the scene, e.g. solver.tolerance=1e-4; may be repeated")
@@ -55,20 +55,22 @@ DeviceRequest DeviceChoice::request() const {
 }
 
 void add_backend(CLI::App& command, DeviceChoice& device) {
-  command.add_option("--backend", device.backend, "auto, openmp, gl or gl:N (see `pliant doctor`)", true)
+  command.add_option("--backend", device.backend, "auto, openmp, gl or gl:N (see `pliant doctor`)")
+      ->capture_default_str()
       ->type_name("NAME");
 }
 
 void add_threads(CLI::App& command, DeviceChoice& device) {
   command.add_option("--threads", device.threads, "of the openmp backend; all processors unless given")
       ->type_name("N")
-      ->check(CLI::Range(1u, 4096u));
+      ->check(CLI::Range(1u, 4096u).description(""));
 }
 
 void add_precision(CLI::App& command, DeviceChoice& device) {
-  command.add_option("--precision", device.precision, "float, or double (openmp only)", true)
+  command.add_option("--precision", device.precision, "float, or double (openmp only)")
+      ->capture_default_str()
       ->type_name("NAME")
-      ->check(CLI::IsMember({"float", "double"}));
+      ->check(CLI::IsMember({"float", "double"}).description(""));
 }
 
 void notice(const std::string& line) {

@@ -42,10 +42,10 @@ ExitCode write_scene(const Options& options) {
 void add_new(CLI::App& program, Action& action) {
   CLI::App* command = program.add_subcommand("new", "write a commented scene to start from");
   const auto options = std::make_shared<Options>();
-  command->add_option("kind", options->kind, "drop, beam, ...; without it the kinds are listed")
-      ->type_name("KIND");
-  command->add_option("file", options->file, "<kind>.toml unless given; - for standard output")
-      ->type_name("FILE");
+  command->add_option("KIND", options->kind, "drop, beam, ...; without it the kinds are listed")
+      ->type_name("");
+  command->add_option("FILE", options->file, "<kind>.toml unless given; - for standard output")
+      ->type_name("");
   command->footer(R"(Examples:
   pliant new
   pliant new drop

@@ -50,17 +50,17 @@ void add_run(CLI::App& program, Action& action) {
   add_precision(*command, options->device);
   command->add_option("--solver", options->run.solver, "chebyshev or jacobi, instead of the scene's")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"chebyshev", "jacobi"}));
+      ->check(CLI::IsMember({"chebyshev", "jacobi"}).description(""));
   CLI::Option* frames = command->add_option("--frames", options->frames, "end after N frames past frame 0")
                             ->type_name("N")
-                            ->check(CLI::Range(1u, 100'000'000u));
+                            ->check(CLI::Range(1u, 100'000'000u).description(""));
   command->add_flag("--video", options->run.video, "make film.mp4 too (needs ffmpeg)");
   command->add_flag("--no-render", options->no_render, "no pictures; needs no GL device then");
   command
-      ->add_option("--progress", options->run.progress, "auto, bar, plain, json or none; on standard error",
-                   true)
+      ->add_option("--progress", options->run.progress, "auto, bar, plain, json or none; on standard error")
+      ->capture_default_str()
       ->type_name("NAME")
-      ->check(CLI::IsMember({"auto", "bar", "plain", "json", "none"}));
+      ->check(CLI::IsMember({"auto", "bar", "plain", "json", "none"}).description(""));
   add_json(*command, options->json, "print run.json too, or write it to FILE");
   command->add_flag("--replay", options->replay,
                     "debug: run each kernel on the CPU too and stop at the first that differs");

@@ -40,17 +40,20 @@ void add_verify(CLI::App& program, Action& action) {
       "compare double with float and with GL, field by field and kernel by kernel; are runs repeatable");
   const auto options = std::make_shared<Options>();
   add_scene(*command, options->scene);
-  CLI::Option* steps = command
-                           ->add_option("--steps", options->verify.steps,
-                                        "of the run in double that others are compared with", true)
-                           ->type_name("N")
-                           ->check(CLI::Range(1u, 1'000'000u));
-  command->add_option("--every", options->verify.every, "steps from one restart to the next", true)
+  CLI::Option* steps =
+      command
+          ->add_option("--steps", options->verify.steps, "of the run in double that others are compared with")
+          ->capture_default_str()
+          ->type_name("N")
+          ->check(CLI::Range(1u, 1'000'000u).description(""));
+  command->add_option("--every", options->verify.every, "steps from one restart to the next")
+      ->capture_default_str()
       ->type_name("N")
-      ->check(CLI::Range(1u, 1'000'000u));
-  command->add_option("--iterations", options->verify.iterations, "of each step, whatever its residual", true)
+      ->check(CLI::Range(1u, 1'000'000u).description(""));
+  command->add_option("--iterations", options->verify.iterations, "of each step, whatever its residual")
+      ->capture_default_str()
       ->type_name("N")
-      ->check(CLI::Range(1u, 1'000'000u));
+      ->check(CLI::Range(1u, 1'000'000u).description(""));
   command->add_flag("--quick", options->quick, "two stretches instead of ten, and no replay of kernels");
   command->add_flag("--kernels", options->kernels, "replay kernels of one GL step on the CPU even so");
   add_json(*command, options->json, "print JSON, or write it to FILE");

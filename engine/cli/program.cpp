@@ -42,8 +42,7 @@ std::string usage_message(const CLI::App& program, const CLI::ParseError& error,
     if (argc < 2) return "no command is given; `pliant --help` lists them";
     const std::string first = argv[1];
     if (first.rfind('-', 0) != 0)
-      return "no command " + in_quotes(first) + suggestion(first, command_names(program)) +
-             "; `pliant --help` explains them";
+      return "no command " + in_quotes(first) + suggestion(first, command_names(program));
     return std::string(error.what()) + "; see `pliant --help`";
   }
   return std::string(error.what()) + "; see `pliant " + called.front()->get_name() + " --help`";
@@ -58,7 +57,10 @@ int parse_and_run(int argc, char** argv) {
   program.set_help_flag("-h,--help", "print this text and end");
   program.require_subcommand(1);
   program.footer(examples);
-  program.get_formatter()->column_width(34);
+  program.get_formatter()->column_width(26);
+  program.get_formatter()->label("SUBCOMMAND", "COMMAND");
+  program.get_formatter()->label("OPTIONS", "options");
+  program.get_formatter()->label("Positionals", "Arguments");
   cli::Action action;
   cli::add_run(program, action);
   cli::add_plan(program, action);
@@ -69,6 +71,8 @@ int parse_and_run(int argc, char** argv) {
   cli::add_scenes(program, action);
   cli::add_new(program, action);
   cli::add_schema(program, action);
+  for (CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; }))
+    command->group("Commands");
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -358,7 +358,7 @@ void Simulation::restore(const Snapshot& state) {
     device_.upload(s.earlier_shift, rows);
   }
   if (plan_.corotated && !state.rotation.empty()) device_.upload(s.rotation, state.rotation);
-  held_count_ = ~0u; // whoever is held at the new time is sent again
+  if (plan_.held) held_count_ = ~0u; // whoever is held at the new time is sent again
 }
 
 FrameOutput* Simulation::frame() {
