@@ -36,6 +36,7 @@ inline PlanScene elastic_only(const std::string& law = "corotated",
   made.scene.solver.restore_momentum = false;
   made.scene.materials = {material};
   made.model = assemble_points(points, 0.02, 1.87, material, 8e-6);
+  made.model.velocity[0] = {0.5, 0, 0}; // in free fall alone there would be nothing to solve
   made.request.statistics = false;
   return made;
 }
