@@ -26,6 +26,7 @@ void main() {
   float ixx = s.y + s.z + round_off, iyy = s.x + s.z + round_off, izz = s.x + s.y + round_off;
   float ixy = -t.x, ixz = -t.y, iyz = -t.z;
   mat3 inertia = mat3(ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz);
-  if (!(trace > 0.0)) return;
+  // A single particle has nothing to turn: what is left of its trace is noise.
+  if (!(trace > 1e-6 * (square.x + square.y + square.z))) return;
   rigid[3 * c + 1] = vec4(-inverse(inertia / trace) * (l / trace), 0.0);
 }

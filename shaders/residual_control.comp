@@ -54,6 +54,8 @@ void main() {
     solver[SOLVER_ACTION] = 1.0;
     solver[SOLVER_BEST] = e;
     solver[SOLVER_ITERATIONS] = float(iteration);
+    // A first guess that was not finite measures nothing: its successor does.
+    if (isnan(solver[SOLVER_FIRST]) || isinf(solver[SOLVER_FIRST])) solver[SOLVER_FIRST] = e;
   }
   if (finite && (e <= floor_residual || e <= tolerance * solver[SOLVER_FIRST])) {
     solver[SOLVER_STOP] = 1.0;

@@ -9,10 +9,10 @@ namespace {
 
 PLIANT_ON_EVERY_DEVICE(ComponentMotion);
 
-// L and I about the centre are differences of sums about the origin, and 3 x 3 matrices are inverted: both
-// are in the scale by their magnitudes. The regularisation of I (1e-5 of its trace in float, 1e-14 in double)
-// turns the angle by 1e-4 at most, 800 roundings of it in float.
-constexpr double limit = 1500;
+// L and I about the centre are differences of sums about the origin, and a 3 x 3 matrix is inverted: the
+// scale has their magnitudes, and the regularisation of I too (1e-5 of its trace in float, 1e-14 in double).
+// 13 seen.
+constexpr double limit = 60;
 
 struct Problem {
   ComponentProblem p;

@@ -60,8 +60,9 @@ struct Problem {
 
   void start(Random& random, std::size_t i, bool far) {
     Eigen::Quaterniond q(Polar(s[i]).rotation);
-    if (far || p.bonds[i].empty())
-      q = random.rotation();
+    if (far || p.bonds[i].empty()) // of length one in float too
+      q = Eigen::Quaterniond(std::copysign(0.5, random()), std::copysign(0.5, random()),
+                             std::copysign(0.5, random()), std::copysign(0.5, random()));
     else
       q = q * Eigen::Quaterniond(Eigen::AngleAxisd(0.3, random.vector().normalized()));
     for (std::size_t k = 0; k < 4; ++k)

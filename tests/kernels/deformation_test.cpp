@@ -111,19 +111,19 @@ TEST_P(Deformation, AffineFieldIsRecovered) {
 
 // A sheet and a rod, turned and stretched: their own directions follow, the missing ones keep the rotation.
 TEST_P(Deformation, MissingDirectionsTakeTheRotation) {
-  for (const std::size_t size : {9, 3}) {
-    Problem problem(27, nullptr);
+  for (const bool rod : {false, true}) {
+    Problem problem(127, nullptr);
     BondProblem& p = problem.p;
     Random random(kernel_seed + 42);
     const Matrix3 turn = Eigen::AngleAxisd(0.4, Vector3(1, 2, 3).normalized()).toRotationMatrix();
     // Bonds out of the sheet (or off the rod) lose their weight.
     std::vector<double> weight = problem.in["weight"];
-    const std::vector<double>& bond = problem.in["bond"];
-    for (std::size_t k = 64; k < bond.size(); k += 32)
+    const std::vector<double>& packed = problem.in["bond"];
+    for (std::size_t k = 64; k < packed.size(); k += 32)
       for (std::size_t lane = 0; lane < 16; ++lane) {
-        const auto word = static_cast<std::uint32_t>(bond[k + 16 + lane]);
+        const auto word = static_cast<std::uint32_t>(packed[k + 16 + lane]);
         const bool off_sheet = (word >> 20) & 1023u, off_rod = (word >> 10) & 1023u;
-        if (off_sheet || (size == 3 && off_rod)) weight[k + lane] = 0;
+        if (off_sheet || (rod && off_rod)) weight[k + lane] = 0;
       }
     problem.in["weight"] = weight;
     for (std::size_t i = 0; i < p.count; ++i) {
@@ -134,19 +134,26 @@ TEST_P(Deformation, MissingDirectionsTakeTheRotation) {
     problem.in["position"] = p.vectors(p.position);
     const Values out =
         run_kernel<kernels::deformation::Args>(OpenDevices::of(GetParam()), p.count, problem.in);
+    std::size_t checked = 0;
     for (std::size_t i = 0; i < p.count; ++i) {
       const Matrix3 f = gradient_of(out, p.first + i);
       ASSERT_TRUE(f.allFinite()) << i;
-      if (size == 9) {
-        // The third column is the normal of the turned sheet.
-        EXPECT_LT((f.col(2) - turn.col(2)).norm(), 2e-3) << "particle " << i;
-        EXPECT_LT((f.col(0) - 1.2 * turn.col(0)).norm(), 2e-3) << "particle " << i;
-      } else {
-        // Of the rotation only the rod's direction is known; the rest is some right-handed frame.
-        EXPECT_LT((f.col(0) - 1.2 * turn.col(0)).norm(), 2e-3) << "particle " << i;
-        EXPECT_NEAR(f.determinant(), 1.2, 0.01) << "particle " << i;
+      Matrix3 xx = Matrix3::Zero();
+      for (const auto& bond : p.bonds[i]) {
+        const Vector3& xi = bond.reference;
+        if (std::abs(xi.z()) > p.unit || (rod && std::abs(xi.y()) > p.unit)) continue;
+        xx += bond.out * xi * xi.transpose();
       }
+      const Vector3 spread = Eigen::JacobiSVD<Matrix3>(xx).singularValues();
+      if (!(spread[rod ? 0 : 1] > 0.1 * spread.sum())) continue; // fewer directions still
+      ++checked;
+      EXPECT_LT((f.col(0) - 1.2 * turn.col(0)).norm(), 5e-3) << "particle " << i;
+      if (rod) // its direction is all that is known of the rotation: the rest is some right-handed frame
+        EXPECT_NEAR(f.determinant(), 1.2, 0.01) << "particle " << i;
+      else
+        EXPECT_LT((f.col(2) - turn.col(2)).norm(), 5e-3) << "the normal of the turned sheet, particle " << i;
     }
+    EXPECT_GT(checked, p.count / 5);
   }
 }
 

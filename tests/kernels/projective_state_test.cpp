@@ -104,7 +104,7 @@ TEST_P(ProjectiveState, ClampsSingularValues) {
       clamped += before.value[2] < least;
     }
     if (size >= 127) {
-      EXPECT_GT(clamped, size / 20);
+      EXPECT_GT(clamped, size / 40);
     }
   }
 }

@@ -51,6 +51,8 @@ template <class real> void residual_control(const kernels::residual_control::Vie
     solver[SOLVER_ACTION] = 1;
     solver[SOLVER_BEST] = e;
     solver[SOLVER_ITERATIONS] = static_cast<real>(k.iteration);
+    // A first guess that was not finite measures nothing: its successor does.
+    if (!__builtin_isfinite(solver[SOLVER_FIRST])) solver[SOLVER_FIRST] = e;
   }
   if (finite && (e <= k.floor_residual || e <= k.tolerance * solver[SOLVER_FIRST])) {
     solver[SOLVER_STOP] = 1;

@@ -1,0 +1,201 @@
+// The plan and the truth: what a scene allocates, compiles and runs is what its plan lists, and no more.
+#include "engine/plan/plan_report.h"
+#include "engine/solver/frame.h"
+#include "engine/solver/simulation.h"
+#include "tests/plan/scenes.h"
+#include "tests/support/devices.h"
+#include "tests/support/recording_device.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace pliant::test {
+namespace {
+
+using Names = std::set<std::string>;
+
+class PlanTruth : public testing::TestWithParam<DeviceChoice> {};
+INSTANTIATE_TEST_SUITE_P(Devices, PlanTruth, testing::ValuesIn(device_choices()), ChoiceName());
+
+Names variants(const Plan& plan) {
+  Names names;
+  for (const KernelSpec& kernel : plan.kernels) names.insert(variant_name(kernel));
+  return names;
+}
+
+Names kernels_of(const Plan& plan) {
+  Names names;
+  for (const KernelSpec& kernel : plan.kernels) names.insert(kernel.info->name);
+  return names;
+}
+
+Names difference(const Names& a, const Names& b) {
+  Names only;
+  std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::inserter(only, only.begin()));
+  return only;
+}
+
+std::string text_of(const Names& names) {
+  std::string text;
+  for (const std::string& name : names) text += " " + name;
+  return text;
+}
+
+struct Truth {
+  Plan plan;
+  Names allocated, dispatched, used, missing;
+};
+
+// Builds the scene on a fresh device and runs it past a rebase, comparing plan and truth.
+Truth expect_truth(const DeviceChoice& choice, const PlanScene& made, const std::string& what) {
+  SCOPED_TRACE(what);
+  const std::unique_ptr<Device> device = choice.open();
+  const std::size_t bytes_before = device->bytes_allocated();
+  RecordingDevice recorder(*device);
+  Truth truth;
+  {
+    Simulation simulation(recorder, made.scene, made.model, made.request);
+    truth.plan = simulation.plan();
+    const std::vector<std::string> compiled = device->kernels_prepared();
+    EXPECT_EQ(recorder.prepared, variants(truth.plan));
+    EXPECT_EQ(Names(compiled.begin(), compiled.end()),
+              choice.gl() ? variants(truth.plan) : kernels_of(truth.plan));
+    for (int step = 0; step < 33; ++step) {
+      simulation.step();
+      if (step == 1 && simulation.frame()) simulation.frame()->update();
+    }
+    device->finish();
+    EXPECT_EQ(device->kernels_prepared(), compiled) << "a step compiled a kernel";
+    EXPECT_EQ(recorder.bytes_allocated(), truth.plan.bytes(choice.precision));
+  }
+  EXPECT_EQ(device->bytes_allocated(), bytes_before) << "a simulation leaves memory behind";
+  EXPECT_FALSE(recorder.twice) << "two buffers of one name";
+  Names planned;
+  for (const BufferSpec& buffer : truth.plan.buffers) {
+    planned.insert(buffer.name);
+    const auto found = recorder.allocated.find(buffer.name);
+    if (found != recorder.allocated.end()) {
+      EXPECT_EQ(found->second, buffer.count * element_bytes(buffer.type, choice.precision)) << buffer.name;
+    }
+  }
+  for (const auto& [name, bytes] : recorder.allocated) truth.allocated.insert(name);
+  truth.dispatched = recorder.dispatched;
+  truth.used = recorder.used;
+  EXPECT_EQ(truth.allocated, planned);
+  EXPECT_EQ(truth.dispatched, variants(truth.plan))
+      << "never run:" << text_of(difference(variants(truth.plan), truth.dispatched));
+  EXPECT_EQ(truth.used, planned) << "never used:" << text_of(difference(planned, truth.used));
+  EXPECT_TRUE(recorder.missing.empty()) << "used without being given:" << text_of(recorder.missing);
+  return truth;
+}
+
+TEST_P(PlanTruth, ElasticOnly) {
+  for (const char* law : {"corotated", "ordinary", "projective"}) {
+    const Truth truth = expect_truth(GetParam(), elastic_only(law), law);
+    EXPECT_EQ(truth.plan.used,
+              (std::vector<std::string>{"motion", "solver", "bonds", std::string(law) + " elasticity"}));
+    for (const BufferSpec& buffer : truth.plan.buffers) {
+      const auto& used = truth.plan.used;
+      EXPECT_NE(std::find(used.begin(), used.end(), buffer.component), used.end()) << buffer.name;
+    }
+  }
+}
+
+TEST_P(PlanTruth, EachComponentAddsOnlyItsOwn) {
+  PlanScene framed = elastic_only();
+  framed.request.frames = true;
+  const Truth plain = expect_truth(GetParam(), elastic_only(), "plain"),
+              frames = expect_truth(GetParam(), framed, "frames");
+  for (const Switch& one : switches()) {
+    PlanScene made = elastic_only();
+    one.on(made);
+    const Truth truth = expect_truth(GetParam(), made, one.component);
+    SCOPED_TRACE(one.component);
+    const Truth& base = made.request.frames && std::string(one.component) != "frames" ? frames : plain;
+    Names own{one.component};
+    if (std::string(one.component) == "statistics") own.insert("energy"); // whose sums are statistics
+    if (std::string(one.component) == "surfaces") own.insert("strain");   // the gradient carries vertices
+    if (std::string(one.component) == "energy") own.insert("frames");     // the particle's own volume
+    EXPECT_EQ(difference(Names(truth.plan.used.begin(), truth.plan.used.end()),
+                         Names(base.plan.used.begin(), base.plan.used.end()))
+                  .count(one.component),
+              1u);
+    for (const BufferSpec& buffer : truth.plan.buffers)
+      if (!base.allocated.count(buffer.name)) {
+        EXPECT_TRUE(own.count(buffer.component)) << buffer.name << " of " << buffer.component;
+      }
+    for (const KernelSpec& kernel : truth.plan.kernels)
+      if (!base.dispatched.count(variant_name(kernel))) {
+        // A variant of a kernel that runs anyway stays with its own component.
+        EXPECT_TRUE(own.count(kernel.component) || kernels_of(base.plan).count(kernel.info->name))
+            << variant_name(kernel);
+      }
+    EXPECT_TRUE(difference(base.allocated, truth.allocated).empty());
+    EXPECT_NE(std::find(base.plan.left_out.begin(), base.plan.left_out.end(), one.component),
+              base.plan.left_out.end());
+  }
+}
+
+TEST_P(PlanTruth, EverythingTogether) {
+  PlanScene made = elastic_only("projective");
+  made.scene.materials[0].inversion = "swap";
+  for (const Switch& one : switches()) one.on(made);
+  made.request.fields = {"strain", "energy"};
+  const Truth truth = expect_truth(GetParam(), made, "everything");
+  EXPECT_EQ(truth.plan.left_out, (std::vector<std::string>{"corotated elasticity", "ordinary elasticity"}));
+}
+
+TEST(Plan, BytesOfALargeBall) {
+  std::vector<Vector3> ball;
+  constexpr double radius = 18.15; // spacings
+  for (int z = -19; z <= 19; ++z)
+    for (int y = -19; y <= 19; ++y)
+      for (int x = -19; x <= 19; ++x)
+        if (Vector3(x, y, z).norm() <= radius) ball.push_back(0.02 * Vector3(x, y, z));
+  EXPECT_NEAR(static_cast<double>(ball.size()), 25000, 500);
+  for (const auto& [name, points] : {std::pair{"ball", ball}, {"box", lattice_box(30, 30, 30, 0.02)}}) {
+    PlanScene made = elastic_only("corotated", points);
+    made.scene.solver.restore_momentum = true;
+    made.request.statistics = true;
+    const Plan plan = make_plan(made.scene, made.model, slice_bonds(made.model), made.request);
+    const double particle = plan.bytes_per_particle(Precision::single_precision),
+                 bond = plan.bytes_per_bond(Precision::single_precision);
+    std::printf("%s of %zu: %.1f bytes a particle, %.2f a bond\n", name, points.size(), particle, bond);
+    EXPECT_LE(particle, 260) << name;
+    EXPECT_LE(bond, 20) << name;
+    EXPECT_NEAR(particle * static_cast<double>(plan.particles) + bond * static_cast<double>(plan.bonds),
+                static_cast<double>(plan.bytes(Precision::single_precision)), 1);
+  }
+}
+
+TEST(Plan, Text) {
+  PlanScene made = elastic_only();
+  made.scene.boundaries = {floor_below()};
+  const Plan plan = make_plan(made.scene, made.model, slice_bonds(made.model), made.request);
+  const std::string text = plan_text(plan, Precision::single_precision);
+  for (const char* part :
+       {"80 particles", "boundary_contact[meshes=0]", "chebyshev_step[checked=1]",
+        "left out: bdf2, held particles", "bytes a particle", "bytes a bond", "position", "single precision"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << " is not in\n" << text;
+  EXPECT_EQ(text.find("prescribe"), std::string::npos);
+}
+
+TEST(Plan, Json) {
+  const PlanScene made = elastic_only();
+  const Plan plan = make_plan(made.scene, made.model, slice_bonds(made.model), made.request);
+  const nlohmann::json json = plan_json(plan, Precision::double_precision);
+  Names keys;
+  for (const auto& item : json.items()) keys.insert(item.key());
+  EXPECT_EQ(keys, (Names{"components", "kernels", "buffers", "bytes_per_particle", "bytes_per_bond"}));
+  EXPECT_EQ(json["components"]["used"], nlohmann::json(plan.used));
+  EXPECT_EQ(json["components"]["left_out"], nlohmann::json(plan.left_out));
+  EXPECT_EQ(json["kernels"].get<Names>(), kernels_of(plan));
+  EXPECT_EQ(json["kernels"].size(), kernels_of(plan).size()) << "each name once";
+  double bytes = 0;
+  for (const auto& buffer : json["buffers"]) bytes += buffer["bytes"].get<double>();
+  EXPECT_EQ(bytes, static_cast<double>(plan.bytes(Precision::double_precision)));
+  EXPECT_EQ(json["bytes_per_particle"], plan.bytes_per_particle(Precision::double_precision));
+}
+
+} // namespace
+} // namespace pliant::test
