@@ -12,6 +12,9 @@
 #include <omp.h>
 #include <set>
 #include <unordered_map>
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 
 namespace pliant::openmp {
 
@@ -23,12 +26,17 @@ class HostBuffer final : public BufferStorage {
 public:
   HostBuffer(std::string_view name, Type type, std::size_t count, std::size_t bytes, std::size_t& allocated)
       : BufferStorage(name, type, count, bytes), allocated_(allocated) {
-    // Whole cache lines, and one spare for wide loads that reach past the last element.
-    const std::size_t padded = (bytes + 2 * alignment - 1) / alignment * alignment;
-    data_ = std::aligned_alloc(alignment, padded);
+    // Whole cache lines, and one spare for wide loads that reach past the last element; whole huge pages
+    // where there are many, as bonds are read from end to end and their neighbours jump from layer to layer.
+    const std::size_t grain = bytes >= 4 * huge_page ? huge_page : alignment;
+    const std::size_t padded = (bytes + alignment + grain - 1) / grain * grain;
+    data_ = std::aligned_alloc(grain, padded);
     if (!data_)
       throw Error(ExitCode::too_large, "no memory for buffer '" + std::string(name) + "' of " +
                                            std::to_string(bytes) + " bytes; use a larger spacing");
+#if defined(MADV_HUGEPAGE)
+    if (grain == huge_page) madvise(data_, padded, MADV_HUGEPAGE); // a wish: nothing depends on it
+#endif
     // Touched by the threads that will use it, so that pages lie near them.
     const std::size_t pages = (padded + page - 1) / page;
 #pragma omp parallel for schedule(static)
@@ -47,7 +55,7 @@ public:
   }
 
 private:
-  static constexpr std::size_t alignment = 64, page = 4096;
+  static constexpr std::size_t alignment = 64, page = 4096, huge_page = std::size_t{2} << 20;
   void* data_ = nullptr;
   std::size_t& allocated_;
 };
@@ -112,7 +120,9 @@ public:
 
   void dispatch(const KernelInfo& kernel, const void* args) override {
     const Body loop = body(kernel);
-    omp_set_num_threads(static_cast<int>(info_.threads));
+    // Waking a team costs more than a small loop. One thread or all: another team size would end threads.
+    const bool small = static_cast<const ArgsHeader*>(args)->threads < smallest_shared;
+    omp_set_num_threads(small ? 1 : static_cast<int>(info_.threads));
     loop(args, [](const BufferStorage* buffer) -> void* { return buffer ? memory(buffer) : nullptr; });
   }
 
@@ -143,6 +153,8 @@ public:
   std::vector<std::string> kernels_prepared() const override { return prepared_; }
 
 private:
+  static constexpr std::uint32_t smallest_shared = 512; ///< threads of a kernel: a few us of work
+
   Body body(const KernelInfo& kernel) {
     const auto known = bodies_.find(&kernel);
     if (known != bodies_.end()) return known->second;

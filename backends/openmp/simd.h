@@ -103,6 +103,10 @@ template <class real> PLIANT_INLINE Wide<real> root_wide(Wide<real> x) {
 #endif
 }
 
+template <class real> PLIANT_INLINE Wide<real> magnitudes(Wide<real> x) {
+  return x < 0 ? -x : x;
+}
+
 // Pieces side by side, and lanes by constant position: both become one or two instructions.
 template <class Out, class In, int... at>
 PLIANT_INLINE Out arrange(In a, In b, std::integer_sequence<int, at...>) {
@@ -139,6 +143,23 @@ PLIANT_INLINE Wide<real> in_fours(Wide<real> a, Wide<real> b) {
 /// Four wide values; as x, y, z, w of `lanes` particles, or as `lanes` / 4 groups of four rows.
 template <class real> struct Wide4 { Wide<real> x, y, z, w; };
 template <class real> struct Wide3 { Wide<real> x, y, z; };
+/// By rows. Names rather than indices: an array would live in memory.
+template <class real> struct WideMat3 { Wide3<real> x, y, z; };
+template <class real>
+PLIANT_INLINE void add_outer(WideMat3<real>& s, const Wide3<real>& a, const Wide3<real>& b) {
+  s.x.x += a.x * b.x, s.x.y += a.x * b.y, s.x.z += a.x * b.z;
+  s.y.x += a.y * b.x, s.y.y += a.y * b.y, s.y.z += a.y * b.z;
+  s.z.x += a.z * b.x, s.z.y += a.z * b.y, s.z.z += a.z * b.z;
+}
+template <class real> PLIANT_INLINE Wide<real> dot(const Wide3<real>& a, const Wide3<real>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class real> PLIANT_INLINE Wide3<real> operator*(const WideMat3<real>& a, const Wide3<real>& v) {
+  return {dot(a.x, v), dot(a.y, v), dot(a.z, v)};
+}
+template <class real> PLIANT_INLINE Wide<real> inner(const WideMat3<real>& a, const WideMat3<real>& b) {
+  return dot(a.x, b.x) + dot(a.y, b.y) + dot(a.z, b.z);
+}
 
 /// Transposes each 4 x 4 group: its own inverse.
 template <class real> PLIANT_INLINE Wide4<real> transposed(const Wide4<real>& r) {

@@ -5,15 +5,23 @@
 
 namespace pliant::openmp::PLIANT_ISA {
 
-template <class real> struct WideMat3 { Wide<real> m[3][3]; };
-
 template <class real> PLIANT_INLINE WideMat3<real> rotation_matrix(const Wide4<real>& q) {
   const Wide<real> x = q.x + q.x, y = q.y + q.y, z = q.z + q.z;
   const Wide<real> xx = x * q.x, yy = y * q.y, zz = z * q.z, xy = x * q.y, xz = x * q.z, yz = y * q.z;
   const Wide<real> wx = q.w * x, wy = q.w * y, wz = q.w * z;
-  return {{{1 - (yy + zz), xy - wz, xz + wy},
-           {xy + wz, 1 - (xx + zz), yz - wx},
-           {xz - wy, yz + wx, 1 - (xx + yy)}}};
+  return {{1 - (yy + zz), xy - wz, xz + wy},
+          {xy + wz, 1 - (xx + zz), yz - wx},
+          {xz - wy, yz + wx, 1 - (xx + yy)}};
+}
+
+/// a^T b
+template <class real>
+PLIANT_INLINE WideMat3<real> transposed_product(const WideMat3<real>& a, const WideMat3<real>& b) {
+  const auto row = [&](const Wide<real>& x, const Wide<real>& y, const Wide<real>& z) {
+    return Wide3<real>{x * b.x.x + y * b.y.x + z * b.z.x, x * b.x.y + y * b.y.y + z * b.z.y,
+                       x * b.x.z + y * b.y.z + z * b.z.z};
+  };
+  return {row(a.x.x, a.y.x, a.z.x), row(a.x.y, a.y.y, a.z.y), row(a.x.z, a.y.z, a.z.z)};
 }
 
 /// q (w / 2, 1), of unit length.
@@ -29,29 +37,23 @@ template <class real> PLIANT_INLINE Wide4<real> turned(const Wide4<real>& q, con
 /// lane where it does not apply (flat, inverted, collapsed): polar_rotation() must answer there, from the
 /// same q.
 template <class real> PLIANT_INLINE uint polar_rotation(const WideMat3<real>& s, Wide4<real>& q) {
-  Wide<real> size{};
-  for (const auto& row : s.m)
-    for (const Wide<real>& value : row) size += value < 0 ? -value : value;
+  const auto sum = [](const Wide3<real>& v) {
+    return magnitudes<real>(v.x) + magnitudes<real>(v.y) + magnitudes<real>(v.z);
+  };
+  const Wide<real> size = sum(s.x) + sum(s.y) + sum(s.z), least = real(1e-5) * size * size * size;
   const real enough = sizeof(real) == 8 ? real(1e-15) : real(1e-7);
-  const Wide<real> least = real(1e-5) * size * size * size;
   WideMask<real> live = size > 0, failed{};
   for (int iteration = 0; iteration < 8; ++iteration) {
-    const WideMat3<real> r = rotation_matrix<real>(q);
-    WideMat3<real> m; // R^T S
-    for (int row = 0; row < 3; ++row)
-      for (int column = 0; column < 3; ++column)
-        m.m[row][column] =
-            r.m[0][row] * s.m[0][column] + r.m[1][row] * s.m[1][column] + r.m[2][row] * s.m[2][column];
-    const Wide3<real> a{m.m[2][1] - m.m[1][2], m.m[0][2] - m.m[2][0], m.m[1][0] - m.m[0][1]};
-    const Wide<real> hxx = m.m[1][1] + m.m[2][2], hyy = m.m[0][0] + m.m[2][2], hzz = m.m[0][0] + m.m[1][1];
-    const Wide<real> hxy = (m.m[0][1] + m.m[1][0]) * real(-0.5), hxz = (m.m[0][2] + m.m[2][0]) * real(-0.5),
-                     hyz = (m.m[1][2] + m.m[2][1]) * real(-0.5);
+    const WideMat3<real> m = transposed_product(rotation_matrix<real>(q), s);
+    const Wide3<real> a{m.z.y - m.y.z, m.x.z - m.z.x, m.y.x - m.x.y};
+    const Wide<real> hxx = m.y.y + m.z.z, hyy = m.x.x + m.z.z, hzz = m.x.x + m.y.y;
+    const Wide<real> hxy = (m.x.y + m.y.x) / -2, hxz = (m.x.z + m.z.x) / -2, hyz = (m.y.z + m.z.y) / -2;
     const Wide<real> cxx = hyy * hzz - hyz * hyz, cxy = hxz * hyz - hxy * hzz, cxz = hxy * hyz - hxz * hyy;
     const Wide<real> cyy = hxx * hzz - hxz * hxz, cyz = hxy * hxz - hxx * hyz, czz = hxx * hyy - hxy * hxy;
     const Wide<real> det = hxx * cxx + hxy * cxy + hxz * cxz, f = 1 / det;
     const Wide3<real> w{f * (cxx * a.x + cxy * a.y + cxz * a.z), f * (cxy * a.x + cyy * a.y + cyz * a.z),
                         f * (cxz * a.x + cyz * a.y + czz * a.z)};
-    const Wide<real> angle2 = w.x * w.x + w.y * w.y + w.z * w.z;
+    const Wide<real> angle2 = dot(w, w);
     const WideMask<real> good = (hxx > 0) & (czz > 0) & (det > least) & (angle2 <= 1), moves = live & good;
     const Wide4<real> next = turned(q, w);
     q = {moves ? next.x : q.x, moves ? next.y : q.y, moves ? next.z : q.z, moves ? next.w : q.w};

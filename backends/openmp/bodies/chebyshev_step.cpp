@@ -1,7 +1,7 @@
 // One accelerated Jacobi iteration; see kernels/chebyshev_step.decl.
 #include "kernels/chebyshev_step.h"
 #include "backends/openmp/body.h"
-#include "backends/openmp/math.h"
+#include "backends/openmp/simd.h"
 #include "shaders/common/solver.glsl"
 
 namespace pliant::openmp::PLIANT_ISA {
@@ -27,23 +27,25 @@ template <class real> void chebyshev_step(const kernels::chebyshev_step::View<re
   const real m = k.solver[SOLVER_ACCELERATE] > 0 ? since - k.solver[SOLVER_DELAY] + 1 : 0;
   const real omega = chebyshev_omega(m, k.solver[SOLVER_ONE_MINUS_RHO]), gamma = k.solver[SOLVER_GAMMA];
   constexpr uint group = kernels::chebyshev_step::group_size;
+  const Quad<real> no_w{1, 1, 1, 0};
 #pragma omp parallel for schedule(static)
   for (uint block = 0; block < (k.threads + group - 1) / group; ++block) {
-    real sum = 0;
+    Quad<real> sum{};
     for (uint i = group * block; i < smaller(group * (block + 1), k.threads); ++i) {
-      const auto target = k.inertia_target[i], f = k.force[i];
-      const Vec3<real> u = xyz(k.displacement[i]), u_earlier = xyz(k.earlier_iterate[i]);
-      if (target.w < 0) {
-        k.earlier_iterate[i] = {u.x, u.y, u.z, 0};
+      const Quad<real> target = load_quad(k.inertia_target[i]), f = load_quad(k.force[i]);
+      const Quad<real> u = load_quad(k.displacement[i]), u_earlier = load_quad(k.earlier_iterate[i]);
+      const real inertia = target[3];
+      if (inertia < 0) {
+        store_quad(k.earlier_iterate[i], u * no_w);
         continue;
       }
-      const real diagonal = target.w + f.w;
-      const Vec3<real> r = target.w * (xyz(target) - u) + xyz(f);
-      const Vec3<real> u_next = omega * ((gamma / diagonal) * r + (u - u_earlier)) + u_earlier;
-      sum += dot(r, r) / diagonal;
-      k.earlier_iterate[i] = {u_next.x, u_next.y, u_next.z, 0};
+      const real inverse_diagonal = 1 / (inertia + f[3]);
+      const Quad<real> r = (inertia * (target - u) + f) * no_w;
+      const Quad<real> u_next = omega * ((gamma * inverse_diagonal) * r + (u - u_earlier)) + u_earlier;
+      sum += inverse_diagonal * (r * r);
+      store_quad(k.earlier_iterate[i], u_next * no_w);
     }
-    if (k.checked) k.residual_partial[block] = sum;
+    if (k.checked) k.residual_partial[block] = sum[0] + sum[1] + sum[2];
   }
 }
 

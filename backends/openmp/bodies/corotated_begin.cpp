@@ -12,21 +12,20 @@ template <class real> void corotated_begin(const kernels::corotated_begin::View<
     for_each_part(k, slice, [&](const Part<real>& part, uint local) {
       const uint i = part.first;
       const Wide4<real> yi = gather(k.position, part.index);
-      Wide<real> s[3][3] = {};
+      WideMat3<real> s{};
       Wide3<real> linear{};
       for_each_bond_of_part(k, local, [&](const uint* j, Wide3<real> xi, Wide<real> c_out, Wide<real> c_in) {
         const Wide4<real> yj = gather(k.position, j);
         const Wide3<real> y{yj.x - yi.x, yj.y - yi.y, yj.z - yi.z};
-        xi = {c_out * xi.x, c_out * xi.y, c_out * xi.z};
-        s[0][0] += y.x * xi.x, s[0][1] += y.x * xi.y, s[0][2] += y.x * xi.z;
-        s[1][0] += y.y * xi.x, s[1][1] += y.y * xi.y, s[1][2] += y.y * xi.z;
-        s[2][0] += y.z * xi.x, s[2][1] += y.z * xi.y, s[2][2] += y.z * xi.z;
+        add_outer(s, y, Wide3<real>{c_out * xi.x, c_out * xi.y, c_out * xi.z});
         const Wide<real> c = c_out + c_in;
         linear.x += c * y.x, linear.y += c * y.y, linear.z += c * y.z;
       });
-      for (uint r = 0; r < 3; ++r)
-        for (uint c = 0; c < 3; ++c)
-          store_reals(k.shape + std::size_t{3 * r + c + 2} * k.stride + i, part.count, unit * s[r][c]);
+      real* row = k.shape + std::size_t{2} * k.stride + i;
+      for (const Wide<real>& value : {s.x.x, s.x.y, s.x.z, s.y.x, s.y.y, s.y.z, s.z.x, s.z.y, s.z.z}) {
+        store_reals(row, part.count, unit * value);
+        row += k.stride;
+      }
       const Wide4<real> start = gather(k.linear_start, part.index);
       store(k.linear_start + i, part.count, Wide4<real>{linear.x, linear.y, linear.z, start.w});
     });

@@ -12,20 +12,16 @@ template <class real> void corotated_energy(const kernels::corotated_energy::Vie
     for_each_part(k, slice, [&](const Part<real>& part, uint local) {
       const uint i = part.first;
       const Wide4<real> yi = gather(k.position, part.index), ui = gather(k.displacement, part.index);
-      WideMat3<real> r = rotation_matrix<real>(gather(k.rotation, part.index));
-      for (auto& row : r.m)
-        for (Wide<real>& value : row) value *= unit;
+      const WideMat3<real> r = rotation_matrix<real>(gather(k.rotation, part.index));
       Wide<real> deviation{}, dilatation{};
       for_each_bond_of_part(k, local, [&](const uint* j, Wide3<real> xi, Wide<real> c_out, Wide<real>) {
         const Wide4<real> yj = gather(k.position, j), uj = gather(k.displacement, j);
-        const Wide3<real> target{r.m[0][0] * xi.x + r.m[0][1] * xi.y + r.m[0][2] * xi.z,
-                                 r.m[1][0] * xi.x + r.m[1][1] * xi.y + r.m[1][2] * xi.z,
-                                 r.m[2][0] * xi.x + r.m[2][1] * xi.y + r.m[2][2] * xi.z};
+        const Wide3<real> target = r * Wide3<real>{unit * xi.x, unit * xi.y, unit * xi.z};
         const Wide3<real> off{(yj.x - yi.x) + (uj.x - ui.x) - target.x,
                               (yj.y - yi.y) + (uj.y - ui.y) - target.y,
                               (yj.z - yi.z) + (uj.z - ui.z) - target.z};
-        deviation += c_out * (off.x * off.x + off.y * off.y + off.z * off.z);
-        dilatation += c_out * (off.x * target.x + off.y * target.y + off.z * target.z);
+        deviation += c_out * dot(off, off);
+        dilatation += c_out * dot(off, target);
       });
       const Wide<real> inverse_modulus = load_wide(k.shape + i), coupling = load_wide(k.shape + k.stride + i);
       dilatation *= inverse_modulus; // theta - 1

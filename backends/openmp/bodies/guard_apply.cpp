@@ -9,11 +9,12 @@ namespace pliant::openmp::PLIANT_ISA {
 template <class real> void guard_apply(const kernels::guard_apply::View<real>& k) {
   const real action = k.solver[SOLVER_ACTION];
   if (action == 0) return;
+  if (action == 1) {
 #pragma omp parallel for schedule(static)
-  for (uint i = 0; i < k.threads; ++i) {
-    if (action == 1) {
-      k.best_iterate[i] = k.earlier_iterate[i];
-    } else {
+    for (uint i = 0; i < k.threads; ++i) k.best_iterate[i] = k.earlier_iterate[i];
+  } else {
+#pragma omp parallel for schedule(static)
+    for (uint i = 0; i < k.threads; ++i) {
       k.displacement[i] = k.best_iterate[i];
       k.earlier_iterate[i] = k.best_iterate[i];
     }
