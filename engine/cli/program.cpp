@@ -43,7 +43,7 @@ std::string usage_message(const CLI::App& program, const CLI::ParseError& error,
     const std::string first = argv[1];
     if (first.rfind('-', 0) != 0)
       return "no command " + in_quotes(first) + suggestion(first, command_names(program));
-    return std::string(error.what()) + "; see `pliant --help`";
+    return "a command is wanted first, not " + in_quotes(first) + "; see `pliant --help`";
   }
   return std::string(error.what()) + "; see `pliant " + called.front()->get_name() + " --help`";
 }
