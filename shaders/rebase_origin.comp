@@ -5,7 +5,8 @@ void main() {
   if (b >= threads) return;
   float quantum = origin[b].w;
   vec3 shift = quantum * roundEven(position[anchor[b]].xyz / quantum);
-  if (any(isnan(shift)) || any(isinf(shift))) shift = vec3(0.0);
+  for (int axis = 0; axis < 3; ++axis)
+    if (isnan(shift[axis]) || isinf(shift[axis])) shift[axis] = 0.0;
   origin[b].xyz += shift;
   origin_shift[b] = vec4(shift, 0.0);
 }
