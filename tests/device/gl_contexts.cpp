@@ -19,16 +19,16 @@ using gl::ThreadState;
 // Two particles falling for one step: a device that works gives h^2 g.
 void expect_work(Device& device) {
   const Buffer velocity = device.allocate("velocity", Type::real4, 2),
-               force = device.allocate("f", Type::real4, 2);
+               position = device.allocate("y", Type::real4, 2);
   const Buffer target = device.allocate("t", Type::real4, 2), guess = device.allocate("g", Type::real4, 2);
   const Buffer iterate = device.allocate("i", Type::real4, 2);
-  device.upload(force, std::vector<Real4<double>>(2, {0, 0, 0, 1}));
+  device.upload(position, std::vector<Real4<double>>(2, {0, 0, 0, 1}));
   kernels::predict::Args args;
-  args.threads = args.particle_count = 2;
-  args.step = 0.5;
+  args.threads = 2;
+  args.time_step = 0.5;
   args.gravity_y = -8;
+  args.position = position;
   args.velocity = velocity;
-  args.external_force = force;
   args.inertia_target = target;
   args.displacement = guess;
   args.earlier_iterate = iterate;

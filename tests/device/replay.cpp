@@ -57,16 +57,16 @@ private:
 void run_predict(Device& device) {
   constexpr std::size_t count = 17;
   std::vector<Buffer> buffers;
-  for (const char* name : {"velocity", "force", "target", "displacement", "iterate"})
+  for (const char* name : {"velocity", "position", "target", "displacement", "iterate"})
     buffers.push_back(device.allocate(name, Type::real4, count));
   std::vector<Real4<double>> velocity(count, {1, 2, 3, 1});
   velocity[9].x = std::numeric_limits<double>::quiet_NaN(); // the same on both, so no mismatch
   device.upload(buffers[1], std::vector<Real4<double>>(count, {0, 1, 0, 2}));
   kernels::predict::Args args;
-  args.threads = args.particle_count = count;
-  args.step = 0.5;
+  args.threads = count;
+  args.time_step = 0.5;
   args.velocity = buffers[0];
-  args.external_force = buffers[1];
+  args.position = buffers[1];
   args.inertia_target = buffers[2];
   args.displacement = buffers[3];
   args.earlier_iterate = buffers[4];
