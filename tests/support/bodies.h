@@ -5,6 +5,7 @@
 #include "engine/solver/simulation.h"
 #include "tests/support/devices.h"
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <cmath>
