@@ -66,7 +66,7 @@ double read_rate(unsigned threads, std::size_t bytes_each, std::size_t passes) {
   const std::size_t count = bytes_each / sizeof(float) / 64 * 64;
   std::vector<std::vector<float>> values(threads, std::vector<float>(count, 1.0F));
   std::vector<float> keep(threads);
-  const double time = best_time(threads, 5, [&](unsigned t) {
+  const double time = best_time(threads, 12, [&](unsigned t) {
     for (std::size_t pass = 0; pass < passes; ++pass) keep[t] += read_all(values[t].data(), count);
   });
   return static_cast<double>(threads * passes * count * sizeof(float)) / time / 1e9;
