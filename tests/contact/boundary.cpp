@@ -180,7 +180,7 @@ TEST_P(Boundaries, StoppedSolverAndLooseParticles) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Devices, Boundaries, testing::ValuesIn(device_choices()),
-                         [](const auto& one) { return choice_name(one); });
+                         [](const auto& one) { return ChoiceName()(one); });
 
 TEST(ContactPlan, NothingWhereNothingCanTouch) {
   World world;

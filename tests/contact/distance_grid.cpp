@@ -110,7 +110,7 @@ TEST_P(MeshBoundary, ForceIsTheGradientOfTheGridsDistance) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Devices, MeshBoundary, testing::ValuesIn(device_choices()),
-                         [](const auto& one) { return choice_name(one); });
+                         [](const auto& one) { return ChoiceName()(one); });
 
 } // namespace
 } // namespace pliant::test

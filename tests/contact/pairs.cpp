@@ -215,7 +215,7 @@ TEST_P(Pairs, SameAsTheProcessor) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Devices, Pairs, testing::ValuesIn(device_choices()),
-                         [](const auto& one) { return choice_name(one); });
+                         [](const auto& one) { return ChoiceName()(one); });
 
 TEST(Grid, SameForEveryNumberOfThreads) {
   const World world = cloud(20000, 0.9, 1);
