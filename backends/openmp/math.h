@@ -133,8 +133,8 @@ template <class real> [[gnu::noinline]] inline Real4<real> horn_rotation(const M
     for (real& value : row) value /= size;
   // About a hundred roundings: more than the noise of a tie, less than anybody sees.
   const real bias = sizeof(real) == 8 ? real(2e-14) : real(1e-5);
-  real n[4][4] = {{s.m[0][0] + s.m[1][1] + s.m[2][2] + bias, s.m[2][1] - s.m[1][2],
-                   s.m[0][2] - s.m[2][0], s.m[1][0] - s.m[0][1]},
+  real n[4][4] = {{s.m[0][0] + s.m[1][1] + s.m[2][2] + bias, s.m[2][1] - s.m[1][2], s.m[0][2] - s.m[2][0],
+                   s.m[1][0] - s.m[0][1]},
                   {0, s.m[0][0] - s.m[1][1] - s.m[2][2], s.m[0][1] + s.m[1][0], s.m[0][2] + s.m[2][0]},
                   {0, 0, s.m[1][1] - s.m[0][0] - s.m[2][2], s.m[1][2] + s.m[2][1]},
                   {0, 0, 0, s.m[2][2] - s.m[0][0] - s.m[1][1]}};

@@ -1,9 +1,10 @@
 // A scene as particles and bonds, in double, before any device sees it.
 //
-// Order of particles: by law, then body, then connected component, then lexicographically along the body's lattice
-// (z outermost). A lexicographic order gathers fastest: a particle's neighbours lie in a few straight runs.
-// Reference positions are snapped to a grid of spacing / reference_grid in the body's own axes, so that a bond's
-// reference vector is three small integers: exact on a lattice, antisymmetric, the same in float and double.
+// Order of particles: by law, then body, then connected component, then lexicographically along the body's
+// lattice (z outermost). A lexicographic order gathers fastest: a particle's neighbours lie in a few straight
+// runs. Reference positions are snapped to a grid of spacing / reference_grid in the body's own axes, so that
+// a bond's reference vector is three small integers: exact on a lattice, antisymmetric, the same in float and
+// double.
 #pragma once
 
 #include "engine/scene/sample.h"
@@ -15,15 +16,16 @@
 
 namespace pliant {
 
-/// Reference positions are multiples of spacing / 120; a packed bond vector reaches 511 of them (4.25 spacings).
+/// Reference positions are multiples of spacing / 120; a packed bond vector reaches 511 of them (4.25
+/// spacings).
 inline constexpr int reference_grid = 120;
 /// Bonds are stored in slices of this many particles (SELL-16): one row of a slice is one vector of the CPU.
 inline constexpr std::uint32_t slice_width = 16;
 
 enum class Law : std::uint8_t { corotated, ordinary, projective };
 
-/// Bonds in rows: particle i has neighbours neighbour[begin[i]] .. neighbour[begin[i+1]-1], in increasing order.
-/// Bonds are symmetric: if j is in i's row then i is in j's.
+/// Bonds in rows: particle i has neighbours neighbour[begin[i]] .. neighbour[begin[i+1]-1], in increasing
+/// order. Bonds are symmetric: if j is in i's row then i is in j's.
 struct Bonds {
   std::vector<std::uint32_t> begin;
   std::vector<std::uint32_t> neighbour;
@@ -37,9 +39,10 @@ struct Bonds {
 ///   ordinary:   b = (15/2) mu_L, a = (9/2) K;         bond stiffness 2 b / x^2
 ///   projective: 2 mu_1 + lambda_1 = 6 E;              bond stiffness (2 mu_1 + lambda_1) / x^2
 struct LawConstants {
-  double modulus = 0;  ///< Pa: c_ij = modulus * V_i * omega_ij / x_ij^2 is the bond's own stiffness, N/m
-  double coupling = 0; ///< kappa / mu (corotated), (a - b) / b (ordinary), share of the deviatoric term (projective)
-  double bound = 1;    ///< the solver's diagonal is bound * c_ij: 1 + max(coupling, 0), or 1 (projective)
+  double modulus = 0; ///< Pa: c_ij = modulus * V_i * omega_ij / x_ij^2 is the bond's own stiffness, N/m
+  double coupling =
+      0; ///< kappa / mu (corotated), (a - b) / b (ordinary), share of the deviatoric term (projective)
+  double bound = 1; ///< the solver's diagonal is bound * c_ij: 1 + max(coupling, 0), or 1 (projective)
 };
 LawConstants law_constants(Law law, double young, double poisson, double split);
 Law law_from_name(const std::string& name);
@@ -54,11 +57,12 @@ struct LawRange {
 
 struct BodyModel {
   std::string name;
-  std::uint32_t first = 0, count = 0;  ///< particles
-  Vector3 origin = Vector3::Zero();    ///< m, world; positions are kept relative to it
-  Matrix3 axes = Matrix3::Identity();  ///< initial world vector = axes * reference vector
-  std::optional<Mesh> surface;         ///< the mesh that its particles carry, world position at rest (before `start`)
-  std::vector<Vector3> surface_reference; ///< the same vertices in the body's axes, relative to the reference origin
+  std::uint32_t first = 0, count = 0; ///< particles
+  Vector3 origin = Vector3::Zero();   ///< m, world; positions are kept relative to it
+  Matrix3 axes = Matrix3::Identity(); ///< initial world vector = axes * reference vector
+  std::optional<Mesh> surface; ///< the mesh that its particles carry, world position at rest (before `start`)
+  std::vector<Vector3>
+      surface_reference; ///< the same vertices in the body's axes, relative to the reference origin
   Vector3 color = {0.8, 0.45, 0.3};
   bool self_contact = true;
 };
@@ -66,7 +70,7 @@ struct BodyModel {
 /// A particle held or moved: prescribed while the motion lasts. At most one a particle: later conditions win.
 struct Held {
   std::uint32_t particle = 0;
-  std::uint32_t motion = 0;            ///< index into Model::motions
+  std::uint32_t motion = 0; ///< index into Model::motions
 };
 /// A force on a particle while start <= t < end, N.
 struct Load {
@@ -76,19 +80,19 @@ struct Load {
 };
 
 struct WeightReport {
-  double worst_residual = 0;           ///< of the moment conditions, relative to the target's norm
-  double share_over_5_percent = 0;     ///< of particles
-  std::size_t signatures = 0;          ///< distinct neighbourhoods solved
+  double worst_residual = 0;       ///< of the moment conditions, relative to the target's norm
+  double share_over_5_percent = 0; ///< of particles
+  std::size_t signatures = 0;      ///< distinct neighbourhoods solved
 };
 
 struct Model {
-  double spacing = 0, horizon = 0;     ///< m
-  std::vector<Vector3> reference;      ///< m, body axes, snapped; relative to the body's reference origin
-  std::vector<Vector3> position;       ///< m, world, at t = 0
-  std::vector<Vector3> velocity;       ///< m/s
-  std::vector<double> volume, mass;    ///< m3, kg
+  double spacing = 0, horizon = 0;  ///< m
+  std::vector<Vector3> reference;   ///< m, body axes, snapped; relative to the body's reference origin
+  std::vector<Vector3> position;    ///< m, world, at t = 0
+  std::vector<Vector3> velocity;    ///< m/s
+  std::vector<double> volume, mass; ///< m3, kg
   std::vector<std::uint32_t> body, material, component, id; ///< id: order in which the scene made them
-  std::uint32_t components = 0;        ///< connected by bonds
+  std::uint32_t components = 0;                             ///< connected by bonds
   Bonds bonds;
   std::vector<LawRange> laws;
   std::vector<BodyModel> bodies;
@@ -97,17 +101,19 @@ struct Model {
   std::vector<Held> held;
   std::vector<Load> loads;
   WeightReport weight_report;
-  std::vector<std::string> warnings;   ///< crossing triangles, sparse bodies that were allowed, ...
+  std::vector<std::string> warnings; ///< crossing triangles, sparse bodies that were allowed, ...
   std::size_t count() const { return position.size(); }
 };
 
-/// Builds the particles of a scene. Throws Error(usage): a mesh that will not do, a body with too few particles for
-/// its horizon, bodies that overlap (unless allowed), a region that selects no particle, materials of different laws
-/// in one body. Regions and conditions select by the rest position, before `deform` and `start`.
+/// Builds the particles of a scene. Throws Error(usage): a mesh that will not do, a body with too few
+/// particles for its horizon, bodies that overlap (unless allowed), a region that selects no particle,
+/// materials of different laws in one body. Regions and conditions select by the rest position, before
+/// `deform` and `start`.
 Model assemble(const Scene& scene);
 
-/// For tests and library users: one body of given points (body axes = world axes), one material, no conditions.
-/// Positions are the snapped ones, so that the body is at rest. Throws Error(usage) for points that coincide.
+/// For tests and library users: one body of given points (body axes = world axes), one material, no
+/// conditions. Positions are the snapped ones, so that the body is at rest. Throws Error(usage) for points
+/// that coincide.
 Model assemble_points(const std::vector<Vector3>& points, double spacing, double horizon_in_spacings,
                       const Material& material, double volume_each, const std::string& weights = "matched",
                       double weight_exponent = -0.7);
@@ -117,18 +123,21 @@ Bonds find_bonds(const std::vector<Vector3>& points, double horizon);
 
 /// Fills bonds.weight.
 ///   "normalised": base weights r^p over their sum.
-///   "matched":    non-negative least squares of moments, second (m2: corotated) or fourth (m4: ordinary, projective);
+///   "matched":    non-negative least squares of moments, second (m2: corotated) or fourth (m4: ordinary,
+///   projective);
 ///                 solved once for each distinct neighbourhood of integer bond vectors.
 WeightReport compute_weights(Bonds& bonds, const std::vector<Vector3>& reference, double spacing, Law law,
                              const std::string& weights, double exponent);
 
 /// The bonds as devices store them.
 struct SlicedBonds {
-  std::vector<std::uint32_t> slice_begin; ///< offsets into the arrays, multiples of 16; one more than there are slices
-  std::vector<std::uint32_t> neighbour;   ///< padding: the particle itself
-  std::vector<std::uint32_t> offset;      ///< bond vector: three signed 10-bit multiples of spacing / 120, x lowest
-  std::vector<double> weight_out;         ///< c_ij = modulus_i V_i omega_ij / x^2, N/m; 0 in padding
-  std::vector<double> weight_in;          ///< c_ji
+  std::vector<std::uint32_t>
+      slice_begin; ///< offsets into the arrays, multiples of 16; one more than there are slices
+  std::vector<std::uint32_t> neighbour; ///< padding: the particle itself
+  std::vector<std::uint32_t>
+      offset;                     ///< bond vector: three signed 10-bit multiples of spacing / 120, x lowest
+  std::vector<double> weight_out; ///< c_ij = modulus_i V_i omega_ij / x^2, N/m; 0 in padding
+  std::vector<double> weight_in;  ///< c_ji
 };
 SlicedBonds slice_bonds(const Model& model);
 

@@ -118,7 +118,8 @@ struct SolverSettings {
   unsigned delay = 10;                       ///< plain iterations before acceleration
   std::optional<double> spectral_radius;     ///< overrides the bound
   bool restore_momentum = true;
-  bool fixed_iterations = false; ///< no key of the scene file: every step takes `iterations`, whatever its residual
+  bool fixed_iterations =
+      false; ///< no key of the scene file: every step takes `iterations`, whatever its residual
 };
 
 struct ContactSettings {

@@ -234,7 +234,7 @@ void Simulation::choose_step(double step) {
   const double epsilon = device_.info().precision == Precision::double_precision
                              ? std::numeric_limits<double>::epsilon()
                              : std::numeric_limits<float>::epsilon();
-  floor_ = epsilon * model_.spacing * std::sqrt(noise);
+  floor_ = epsilon / 2 * model_.spacing * std::sqrt(noise); // a rounding errs by half an epsilon
   // Spectral radius of Jacobi's iteration, 1 - 1 / (1 + eta); a contact adds as much stiffness again. No
   // closer to one than the budget can resolve: that would only add oscillation.
   const double eta = stiffness_number_ * (contacts_ ? 2 : 1);

@@ -9,8 +9,9 @@ namespace {
 
 PLIANT_ON_EVERY_DEVICE(ChebyshevStep);
 
-// A division, a product with omega, and omega itself, whose closed form costs an exponential and a logarithm: 3 seen in
-// float. In double 11, most of them of the recurrence, which sums its own roundings over 400 iterations.
+// A division, a product with omega, and omega itself, whose closed form costs an exponential and a logarithm:
+// 3 seen in float. In double 11, most of them of the recurrence, which sums its own roundings over 400
+// iterations.
 constexpr double limit = 30;
 
 // omega of the iteration that is `m` past the plain ones: 1, 2 / (2 - rho^2), 4 / (4 - rho^2 omega).

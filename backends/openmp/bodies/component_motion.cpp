@@ -26,7 +26,8 @@ template <class real> void component_motion(const kernels::component_motion::Vie
     const Vec3<real> t = sum[4] - m * Vec3<real>{y.x * y.y, y.x * y.z, y.y * y.z};
     const real trace = s.x + s.y + s.z, round_off = sizeof(real) == 8 ? real(1e-14) : real(1e-5);
     // A single particle has nothing to turn: what is left of its trace is noise.
-    if (!(trace > (sizeof(real) == 8 ? real(1e-14) : real(1e-6)) * (sum[3].x + sum[3].y + sum[3].z))) continue;
+    if (!(trace > (sizeof(real) == 8 ? real(1e-14) : real(1e-6)) * (sum[3].x + sum[3].y + sum[3].z)))
+      continue;
     const real ixx = (s.y + s.z) / trace + round_off, iyy = (s.x + s.z) / trace + round_off,
                izz = (s.x + s.y) / trace + round_off;
     const real ixy = -t.x / trace, ixz = -t.y / trace, iyz = -t.z / trace;

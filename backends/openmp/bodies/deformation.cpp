@@ -1,7 +1,7 @@
 // The deformation gradient of each particle; see kernels/deformation.decl.
+#include "kernels/deformation.h"
 #include "backends/openmp/body.h"
 #include "backends/openmp/slice.h"
-#include "kernels/deformation.h"
 
 namespace pliant::openmp::PLIANT_ISA {
 

@@ -1,7 +1,7 @@
 // Positions in the world; see kernels/frame_particles.decl.
+#include "kernels/frame_particles.h"
 #include "backends/openmp/body.h"
 #include "backends/openmp/math.h"
-#include "kernels/frame_particles.h"
 
 namespace pliant::openmp::PLIANT_ISA {
 
@@ -12,11 +12,20 @@ template <class real> void frame_particles(const kernels::frame_particles::View<
     const Vec3<real> world = scene + xyz(k.origin[k.owner[i]]) + xyz(k.position[i]);
     real value = 0;
     switch (k.field) {
-    case 1: value = norm(xyz(k.velocity[i])); break;
-    case 2: value = k.gradient[3 * i].w; break;
-    case 3: value = k.energy[i] / k.start[i].w; break;
-    case 4: value = norm(world - xyz(k.start[i])); break;
-    default: break;
+    case 1:
+      value = norm(xyz(k.velocity[i]));
+      break;
+    case 2:
+      value = k.gradient[3 * i].w;
+      break;
+    case 3:
+      value = k.energy[i] / k.start[i].w;
+      break;
+    case 4:
+      value = norm(world - xyz(k.start[i]));
+      break;
+    default:
+      break;
     }
     k.particle[i] = {world.x, world.y, world.z, value};
   }

@@ -1,7 +1,7 @@
 // A body takes its origin along; see kernels/rebase_origin.decl.
+#include "kernels/rebase_origin.h"
 #include "backends/openmp/body.h"
 #include "backends/openmp/math.h"
-#include "kernels/rebase_origin.h"
 
 namespace pliant::openmp::PLIANT_ISA {
 

@@ -1,7 +1,7 @@
 // Positions follow their body's origin; see kernels/rebase_position.decl.
+#include "kernels/rebase_position.h"
 #include "backends/openmp/body.h"
 #include "backends/openmp/math.h"
-#include "kernels/rebase_position.h"
 
 namespace pliant::openmp::PLIANT_ISA {
 

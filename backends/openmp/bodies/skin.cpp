@@ -1,14 +1,15 @@
 // A vertex follows the particles nearest to it; see kernels/skin.decl.
+#include "kernels/skin.h"
 #include "backends/openmp/body.h"
 #include "backends/openmp/math.h"
-#include "kernels/skin.h"
 
 namespace pliant::openmp::PLIANT_ISA {
 
 template <class real> void skin(const kernels::skin::View<real>& k) {
 #pragma omp parallel for schedule(static)
   for (uint v = 0; v < k.threads; ++v) {
-    const uint nearest[] = {k.skin_particle[v].x, k.skin_particle[v].y, k.skin_particle[v].z, k.skin_particle[v].w};
+    const uint nearest[] = {k.skin_particle[v].x, k.skin_particle[v].y, k.skin_particle[v].z,
+                            k.skin_particle[v].w};
     const real w[] = {k.skin_weight[v].x, k.skin_weight[v].y, k.skin_weight[v].z, k.skin_weight[v].w};
     Vec3<real> x{0, 0, 0};
     real field = 0;
