@@ -122,7 +122,7 @@ TEST_P(Polar, RotationsAreThoseOfTheSingularValueDecomposition) {
         const Matrix3& s = each.matrices[i];
         const Eigen::JacobiSVD<Matrix3> svd(s, Eigen::ComputeFullU | Eigen::ComputeFullV);
         const double sign = determinant(svd.matrixU() * svd.matrixV().transpose()) < 0 ? -1 : 1;
-        const Vector3 sigma = svd.singularValues();
+        const Vector3& sigma = svd.singularValues();
         const double best = sigma[0] + sigma[1] + sign * sigma[2], gap = sigma[1] + sign * sigma[2];
         const double size = std::max(sigma[0], 1e-300);
         trace = std::max(trace, (best - found[i].cwiseProduct(s).sum()) / size);
