@@ -363,7 +363,8 @@ const Table& body_table() {
         .meaning = "initial deformation about the centre of mass, as rows",
         .slot = at<&Body::deform>},
        {.name = "start",
-        .meaning = "collapse to x = centre, to a line, to a point; random positions; or one half mirrored",
+        .meaning =
+            "collapse to x = centre, to a line, to a point; random positions; or mirrored in x = centre",
         .slot = at<&Body::start>,
         .choices = {"", "flat", "line", "point", "random", "mirror"}},
        {.name = "color",
