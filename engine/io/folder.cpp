@@ -33,12 +33,10 @@ void prepare_output_folder(const fs::path& folder) {
     const fs::directory_iterator first(folder, error);
     if (error) fail("look into", folder, error.message());
     if (first != fs::directory_iterator())
-      fail(
-          "write to", folder,
-          fmt::format(
-              "the folder is not empty (it holds {}); give another --out, remove the folder, or continue its "
-              "run with --resume",
-              first->path().filename().string()));
+      fail("write to", folder,
+           fmt::format("the folder is not empty (it holds {}); give another --out, or remove the "
+                       "folder",
+                       first->path().filename().string()));
   } else {
     fs::create_directories(folder, error);
     if (error) fail("make the folder", folder, error.message());

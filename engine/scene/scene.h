@@ -114,7 +114,7 @@ struct SolverSettings {
   double tolerance = 1e-3;                   ///< relative residual
   unsigned iterations = 1000;                ///< a cap
   std::string integrator = "implicit-euler"; ///< or "bdf2"
-  double under_relaxation = 0.9;             ///< gamma of section 6 of the method's description
+  double under_relaxation = 0.9;             ///< of each Jacobi update, 0 to 1
   unsigned delay = 10;                       ///< plain iterations before acceleration
   std::optional<double> spectral_radius;     ///< overrides the bound
   bool restore_momentum = true;

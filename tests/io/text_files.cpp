@@ -100,7 +100,7 @@ TEST(Folder, RefusesAnOccupiedOneAndSaysWhatToDo) {
   std::ofstream(folder.path / "run.json") << "{}";
   const std::string said = refusal(folder.path);
   EXPECT_THAT(said, HasSubstr("not empty (it holds run.json)"));
-  EXPECT_THAT(said, HasSubstr("--resume"));
+  EXPECT_THAT(said, HasSubstr("remove the folder"));
   EXPECT_THAT(refusal(folder.path / "run.json"), HasSubstr("it is a file"));
   EXPECT_EQ(read_text_file(folder.path / "run.json"), "{}");
 }
