@@ -24,7 +24,6 @@ TEXT
 
 out="$pliant_root/out/main-job"
 only_meshes=false
-resume=false
 extra=()
 while (($#)); do
   case "$1" in
@@ -36,7 +35,6 @@ while (($#)); do
       shift
       ;;
     --out=*) out="${1#--out=}" ;;
-    --resume) resume=true; extra+=("$1") ;;
     *) extra+=("$1") ;;
   esac
   shift
@@ -56,7 +54,7 @@ with_tests=OFF
 build "$with_tests" pliant
 
 occupied() { [[ -e "$1" && ! -d "$1" ]] || [[ -d "$1" && -n "$(ls -A "$1")" ]]; }
-if ! $resume && occupied "$out"; then
+if occupied "$out"; then
   number=2
   while occupied "${out%/}-$number"; do number=$((number + 1)); done
   say "$out is occupied: writing to ${out%/}-$number"
