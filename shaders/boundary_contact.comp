@@ -41,19 +41,25 @@ float mesh_distance(vec3 a, vec3 u, vec3 low, float cell, uvec4 nodes, bool cont
 void main() {
   uint i = thread_index();
   if (i >= threads || solver[SOLVER_STOP] > 0.0) return;
-  vec4 f = force[i];
-  vec3 body = origin[owner[i]].xyz, y = position[i].xyz, u = displacement[i].xyz;
-  float k = f.w > 0.0 ? f.w : least_stiffness;
+  vec4 f = force[i], begin = start[i];
+  vec3 u = displacement[i].xyz, base = vec3(base_x, base_y, base_z);
+  float k = begin.w;
+#if potential
+  float stored = 0.0;
+#endif
+#if tangent
+  vec3 diagonal = vec3(0.0), mixed = vec3(0.0); // xx yy zz | xy xz yz
+#endif
   uint acts = 0u;
   for (uint o = 0u; o < obstacles; ++o) {
     uint row = OBSTACLE_ROWS * o;
     vec4 traits = obstacle[row + OBSTACLE_KIND], place = obstacle[row + OBSTACLE_CENTRE];
-    vec3 start = (body - place.xyz) + y, now = start + u;
+    vec3 from = begin.xyz - (place.xyz - base), now = from + u;
     if (dot(now, now) > place.w * place.w) continue;
     vec4 size = obstacle[row + OBSTACLE_SIZE];
     vec4 r0 = obstacle[row + OBSTACLE_AXES], r1 = obstacle[row + OBSTACLE_AXES + 1],
          r2 = obstacle[row + OBSTACLE_AXES + 2];
-    vec3 a = start.x * r0.xyz + start.y * r1.xyz + start.z * r2.xyz; // R^T start
+    vec3 a = from.x * r0.xyz + from.y * r1.xyz + from.z * r2.xyz; // R^T from
     vec3 v = u.x * r0.xyz + u.y * r1.xyz + u.z * r2.xyz;
     int kind = int(traits.x);
     float d;
@@ -93,8 +99,25 @@ void main() {
     }
     f.xyz += push - hold * slide;
     f.w += k;
+#if potential
+    stored += 0.5 * k * depth * depth;
+    if (traits.z != 0.0) stored += 0.5 * k * dot(slide, slide);
+#endif
+#if tangent
+    vec3 g = gradient;
+    float across = k - (steep2 > 0.0 ? hold / steep2 : 0.0);
+    diagonal += hold + across * g * g;
+    mixed += across * vec3(g.x * g.y, g.x * g.z, g.y * g.z);
+#endif
     acts = 1u;
   }
   force[i] = f;
   touched[i] = acts;
+#if potential
+  if (acts != 0u) energy[i] += stored;
+#endif
+#if tangent
+  contact_block[2 * i] = vec4(diagonal.x, mixed.x, mixed.y, diagonal.y);
+  contact_block[2 * i + 1] = vec4(mixed.z, diagonal.z, 0.0, 0.0);
+#endif
 }

@@ -28,7 +28,11 @@ void main() {
       float since = float(iteration) - solver[SOLVER_START];
       float m = solver[SOLVER_ACCELERATE] > 0.0 ? since - solver[SOLVER_DELAY] + 1.0 : 0.0;
       float omega = chebyshev_omega(m, solver[SOLVER_ONE_MINUS_RHO]);
+#if position
+      u_next = f.w > 0.0 ? u + f.xyz / f.w : target.xyz;
+#else
       u_next = omega * ((solver[SOLVER_GAMMA] / diagonal) * r + (u - u_earlier)) + u_earlier;
+#endif
       error = dot(r, r) / diagonal;
     }
     earlier_iterate[i] = vec4(u_next, 0.0);

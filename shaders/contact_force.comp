@@ -1,24 +1,15 @@
 // Forces between touching particles; see kernels/contact_force.decl.
 #include "common/bonds.glsl"
 #include "common/contact.glsl"
+#include "common/pairs.glsl"
 #include "common/solver.glsl"
-
-// From i to j where both are in one place: any direction will do that both agree on.
-vec3 agreed_direction(uint i, uint j) {
-  uint h = min(i, j) * 2654435761u ^ max(i, j) * 2246822519u;
-  h ^= h >> 15;
-  h *= 739982445u;
-  h ^= h >> 12;
-  vec3 d = vec3(float(h & 1023u), float((h >> 10) & 1023u), float((h >> 20) & 1023u)) - 511.5;
-  return (i < j ? 1.0 : -1.0) * inversesqrt(dot(d, d)) * d;
-}
 
 void main() {
   uint i = thread_index();
   if (i >= threads || solver[SOLVER_STOP] > 0.0) return;
   vec4 here = start[i];
   vec3 u = displacement[i].xyz, push = vec3(0.0);
-  float stiffness = 0.0;
+  float stiffness = 0.0, stored = 0.0;
   uint base = CONTACTS * SLICE * (i / SLICE) + i % SLICE;
   for (uint a = 0u; a < CONTACTS; ++a) {
     uint j = contact[base + SLICE * a];
@@ -36,9 +27,13 @@ void main() {
     float slid = length(slide), hold = k * slid > friction * normal ? friction * normal / slid : k;
     push += hold * slide - normal * n;
     stiffness += k;
+    stored += 0.25 * k * (contact_distance - r) * (contact_distance - r); // the other half is the partner's
   }
   uint acts = stiffness > 0.0 ? 1u : 0u;
   if (acts != 0u) force[i] += vec4(push, stiffness);
+#if potential
+  if (acts != 0u) energy[i] += stored;
+#endif
 #if alone
   touched[i] = acts;
 #else

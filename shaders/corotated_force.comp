@@ -4,7 +4,11 @@
 
 void main() {
   uint local = thread_index();
+#if product
+  if (local >= threads || solver[SOLVER_LINEAR] == 0.0) return;
+#else
   if (local >= threads || solver[SOLVER_STOP] > 0.0) return;
+#endif
   uint i = first + local, slice = first_slice + local / SLICE, lane = local % SLICE;
   vec4 i0 = record[3 * i], i1 = record[3 * i + 1], i2 = record[3 * i + 2];
   vec3 linear = vec3(0.0), rest = vec3(0.0);
@@ -18,6 +22,10 @@ void main() {
     rest += vec3(dot(c_out * i0.xyz + c_in * j0.xyz, xi), dot(c_out * i1.xyz + c_in * j1.xyz, xi),
                  dot(c_out * i2.xyz + c_in * j2.xyz, xi));
   }
+#if product
+  vec4 start = vec4(0.0);
+#else
   vec4 start = linear_start[i];
+#endif
   force[i] = vec4(start.xyz + linear - rest, start.w);
 }

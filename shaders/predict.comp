@@ -24,5 +24,4 @@ void main() {
   vec3 guess = target - (1.0 - v.w) * h2 * gravity;
   inertia_target[i] = vec4(target, mass / h2);
   displacement[i] = vec4(guess, 0.0);
-  earlier_iterate[i] = vec4(guess, 0.0);
 }

@@ -9,5 +9,4 @@ void main() {
   vec3 u = (x - origin[owner[i]].xyz) - position[i].xyz;
   inertia_target[i] = vec4(u, -1.0);
   displacement[i] = vec4(u, 0.0);
-  earlier_iterate[i] = vec4(u, 0.0);
 }

@@ -3,6 +3,7 @@
 
 #include "engine/solver/contact.h"
 #include "engine/solver/frame.h"
+#include "engine/solver/multilevel.h"
 #include "engine/solver/state.h"
 #include "kernels/all.h"
 #include "shaders/common/solver.glsl"
@@ -64,16 +65,46 @@ public:
 
   void solver() {
     begin("solver", true);
-    buffer("earlier_iterate", Type::real4, n_);
     buffer("best_iterate", Type::real4, n_);
     buffer("force", Type::real4, n_);
     buffer("linear_start", Type::real4, n_);
     buffer("solver", Type::real, SOLVER_ENTRIES);
-    const std::size_t group = kernels::chebyshev_step::group_size;
-    buffer("residual_partial", Type::real, (n_ + group - 1) / group);
-    kernel(kernels::chebyshev_step::Args{.checked = 0});
-    kernel(kernels::chebyshev_step::Args{.checked = 1});
+    const std::string& method = plan_.method.name;
+    begin("stationary iteration", !plan_.method.line_search);
+    const std::uint32_t position = method == "position";
+    const std::size_t group = kernels::chebyshev_step::group_size, groups = (n_ + group - 1) / group;
+    buffer("earlier_iterate", Type::real4, n_);
+    buffer("residual_partial", Type::real, groups);
+    kernel(kernels::chebyshev_step::Args{.checked = 0, .position = position});
+    kernel(kernels::chebyshev_step::Args{.checked = 1, .position = position});
     kernels<kernels::residual_control::Args, kernels::guard_apply::Args>();
+    begin("line search", plan_.method.line_search);
+    const std::uint32_t potential = plan_.method.potential;
+    buffer("residual", Type::real4, n_);
+    buffer("solve_partial", Type::real4, groups);
+    buffer("preconditioned", Type::real4, n_);
+    kernel(kernels::residual::Args{.potential = potential});
+    kernel(kernels::line_control::Args{.potential = potential});
+    kernels<kernels::line_apply::Args>();
+    if (plan_.pairs) kernels<kernels::line_restart::Args>();
+    begin("diagonal preconditioner", plan_.method.preconditioner == "diagonal");
+    kernels<kernels::precondition::Args>();
+    begin("multilevel preconditioner", plan_.method.preconditioner == "multilevel");
+    if (active_) {
+      plan_.hierarchy = std::make_shared<const Hierarchy>(build_hierarchy(scene_, model_));
+      const MultilevelPlan needs =
+          plan_multilevel(*plan_.hierarchy, model_, plan_contacts(scene_, model_, contact_use(plan_.method)));
+      for (const BufferSpec& spec : needs.buffers) buffer(spec.name, spec.type, spec.count);
+      for (const KernelSpec& spec : needs.kernels) kernel(spec);
+    }
+    begin("newton", method == "newton");
+    buffer("direction", Type::real4, n_);
+    buffer("descent", Type::real4, n_);
+    buffer("tangent", Type::real4, 4 * n_);
+    kernel(kernels::conjugate_control::Args{.after = 0});
+    kernel(kernels::conjugate_control::Args{.after = 1});
+    kernels<kernels::conjugate_direction::Args, kernels::conjugate_update::Args>();
+    kernel(kernels::newton_product::Args{.obstacles = plan_.boundaries});
   }
 
   void elasticity() {
@@ -88,9 +119,16 @@ public:
     buffer("record", Type::real4, 3 * n_);
     buffer("rotation", Type::real4, n_);
     kernels<kernels::corotated_begin::Args, kernels::corotated_state::Args, kernels::corotated_force::Args>();
+    if (plan_.method.name == "newton") {
+      kernels<kernels::corotated_tangent::Args, kernels::corotated_product::Args>();
+      kernel(kernels::corotated_force::Args{.product = 1});
+    }
     begin("ordinary elasticity", plan_.ordinary);
     buffer("extension", Type::real4, n_);
     kernels<kernels::ordinary_state::Args, kernels::ordinary_force::Args>();
+    if (plan_.method.name == "newton")
+      kernels<kernels::ordinary_tangent::Args, kernels::ordinary_product::Args,
+              kernels::ordinary_product_force::Args>();
     begin("projective elasticity", plan_.projective);
     buffer("record", Type::real4, 3 * n_);
     kernel(kernels::projective_state::Args{.swap_rows = swaps_rows(scene_)});
@@ -98,7 +136,7 @@ public:
   }
 
   void contacts() {
-    const ContactPlan needs = plan_contacts(scene_, model_);
+    const ContactPlan needs = plan_contacts(scene_, model_, contact_use(plan_.method));
     plan_.boundaries = needs.boundaries;
     plan_.pairs = needs.pairs();
     for (const auto& [component, used] :
@@ -223,12 +261,13 @@ Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds,
   plan.statistics = request.statistics;
   const bool drawn = scene.render.color == "energy" || std::find(request.fields.begin(), request.fields.end(),
                                                                  "energy") != request.fields.end();
-  plan.energy = request.statistics || (request.frames && drawn);
+  plan.method = choose_method(scene, model);
+  plan.energy = request.statistics || plan.method.potential || (request.frames && drawn);
   Planner planner(plan, scene, model, bonds);
   planner.motion();
+  planner.contacts();
   planner.solver();
   planner.elasticity();
-  planner.contacts();
   planner.sums(make_chunks(model));
   planner.frames(request);
   return plan;

@@ -4,12 +4,16 @@
 
 #include "engine/device/device.h"
 #include "engine/model/model.h"
+#include "engine/plan/method.h"
 #include "engine/plan/spec.h"
 
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace pliant {
+
+struct Hierarchy;
 
 /// What the caller wants besides the motion itself.
 struct PlanRequest {
@@ -24,6 +28,8 @@ struct Plan {
   bool corotated = false, ordinary = false, projective = false;
   bool bdf2 = false, held = false, loaded = false, momentum = false, statistics = false, energy = false;
   bool boundaries = false, pairs = false;
+  Method method;
+  std::shared_ptr<const Hierarchy> hierarchy; ///< null without the multilevel preconditioner
   bool frames = false, surfaces = false, strain = false;
 
   std::size_t particles = 0, bonds = 0;

@@ -8,6 +8,7 @@
 #include "kernels/contact_find.h"
 #include "kernels/contact_force.h"
 #include "kernels/contact_mutual.h"
+#include "kernels/contact_product.h"
 #include "kernels/contact_start.h"
 #include "kernels/grid_clear.h"
 #include "kernels/grid_count.h"
@@ -43,8 +44,13 @@ bool moves(const Boundary& boundary) {
 
 } // namespace
 
-ContactPlan plan_contacts(const Scene& scene, const Model& model) {
+ContactUse contact_use(const Method& method) {
+  return {.potential = method.potential, .tangent = method.name == "newton"};
+}
+
+ContactPlan plan_contacts(const Scene& scene, const Model& model, ContactUse use) {
   ContactPlan plan;
+  plan.use = use;
   const std::size_t n = model.count();
   if (n == 0) return plan;
   plan.particles = static_cast<std::uint32_t>(n);
@@ -61,7 +67,12 @@ ContactPlan plan_contacts(const Scene& scene, const Model& model) {
   const auto buffer = [&](const char* name, Type type, std::size_t count, const char* where) {
     plan.buffers.push_back({name, type, count, where});
   };
-  if (plan.any()) buffer("touched", Type::uint, n, plan.boundaries ? boundary_component : component);
+  for (const char* where : {boundary_component, component}) {
+    if (where == component ? !plan.pairs() : !plan.boundaries) continue;
+    buffer("touched", Type::uint, n, where);
+    buffer("contact_start", Type::real4, n, where);
+    kernel(kernels::contact_start::Args{}, where);
+  }
   if (plan.boundaries) {
     const Obstacles obstacles(scene, plan.radius, grid_cell(scene), true);
     plan.meshes = obstacles.meshes();
@@ -70,12 +81,14 @@ ContactPlan plan_contacts(const Scene& scene, const Model& model) {
       buffer("obstacle_grid", Type::uint4, OBSTACLES, boundary_component);
       buffer("grid_distance", Type::real, obstacles.grid_nodes(), boundary_component);
     }
-    kernel(kernels::boundary_contact::Args{.meshes = plan.meshes}, boundary_component);
+    if (use.tangent) buffer("contact_block", Type::real4, 2 * n, boundary_component);
+    kernel(kernels::boundary_contact::Args{
+               .meshes = plan.meshes, .potential = use.potential, .tangent = use.tangent},
+           boundary_component);
   }
   if (plan.pairs()) {
     plan.cells = std::bit_ceil(std::max(plan.particles, 256u));
     plan.chunks = (plan.cells + SCAN_CHUNK - 1) / SCAN_CHUNK;
-    buffer("contact_start", Type::real4, n, component);
     buffer("cell_count", Type::uint, plan.cells, component);
     buffer("chunk_begin", Type::uint, plan.chunks, component);
     buffer("cell_begin", Type::uint, std::size_t{plan.cells} + 1, component);
@@ -89,7 +102,6 @@ ContactPlan plan_contacts(const Scene& scene, const Model& model) {
       buffer("self_contact", Type::uint, model.bodies.size(), component);
       buffer("law_range", Type::uint4, 4, component);
     }
-    kernel(kernels::contact_start::Args{}, component);
     kernel(kernels::grid_clear::Args{}, component);
     kernel(kernels::grid_count::Args{}, component);
     kernel(kernels::grid_sum::Args{}, component);
@@ -99,16 +111,19 @@ ContactPlan plan_contacts(const Scene& scene, const Model& model) {
     kernel(kernels::grid_sort::Args{}, component);
     kernel(kernels::contact_find::Args{.between = plan.between, .within = plan.within}, component);
     kernel(kernels::contact_mutual::Args{}, component);
-    kernel(kernels::contact_force::Args{.alone = !plan.boundaries}, component);
+    kernel(kernels::contact_force::Args{.alone = !plan.boundaries, .potential = use.potential}, component);
+    if (use.tangent) kernel(kernels::contact_product::Args{}, component);
   }
   return plan;
 }
 
-Contacts::Contacts(Device& device, const Scene& scene, const Model& model, const Vector3& scene_origin)
-    : device_(device), plan_(plan_contacts(scene, model)), obstacles_(scene, plan_.radius, grid_cell(scene)),
+Contacts::Contacts(Device& device, const Scene& scene, const Model& model, const Vector3& scene_origin,
+                   ContactUse use)
+    : device_(device), plan_(plan_contacts(scene, model, use)), obstacles_(scene, plan_.radius, grid_cell(scene)),
       origin_(scene_origin) {
   for (const BufferSpec& spec : plan_.buffers)
-    buffers_.emplace(spec.name, device.allocate(spec.name, spec.type, spec.count));
+    if (!buffers_.count(spec.name))
+      buffers_.emplace(spec.name, device.allocate(spec.name, spec.type, spec.count));
   if (!plan_.any()) return;
   friction_ = scene.contact.friction;
   lightest_ = *std::min_element(model.mass.begin(), model.mass.end());
@@ -142,23 +157,27 @@ BufferStorage* Contacts::buffer(const std::string& name) const {
 namespace {
 
 kernels::boundary_contact::Args boundary_args(const Contacts& contacts, const ContactState& state,
-                                              std::uint32_t obstacles, double least_stiffness) {
+                                              std::uint32_t obstacles, const Vector3& base) {
   kernels::boundary_contact::Args args;
   args.threads = contacts.plan().particles;
   args.meshes = contacts.plan().meshes;
+  args.potential = contacts.plan().use.potential;
+  args.tangent = contacts.plan().use.tangent;
   args.obstacles = obstacles;
   args.radius = contacts.plan().radius;
-  args.least_stiffness = least_stiffness;
+  args.base_x = base[0];
+  args.base_y = base[1];
+  args.base_z = base[2];
   args.obstacle = contacts.buffer("obstacle");
   args.grid = contacts.buffer("obstacle_grid");
-  args.owner = state.owner;
-  args.origin = state.origin;
-  args.position = state.position;
+  args.start = contacts.buffer("contact_start");
   args.displacement = state.displacement;
   args.grid_distance = contacts.buffer("grid_distance");
   args.solver = state.solver;
   args.force = state.force;
   args.touched = contacts.touched();
+  args.energy = state.energy;
+  args.contact_block = contacts.block();
   return args;
 }
 
@@ -167,6 +186,7 @@ kernels::contact_force::Args force_args(const Contacts& contacts, const ContactS
   kernels::contact_force::Args args;
   args.threads = contacts.plan().particles;
   args.alone = !contacts.plan().boundaries;
+  args.potential = contacts.plan().use.potential;
   args.contact_distance = contacts.plan().distance;
   args.friction = friction;
   args.contact = contacts.buffer("contact");
@@ -175,6 +195,23 @@ kernels::contact_force::Args force_args(const Contacts& contacts, const ContactS
   args.solver = state.solver;
   args.force = state.force;
   args.touched = contacts.touched();
+  args.energy = state.energy;
+  return args;
+}
+
+kernels::contact_product::Args product_args(const Contacts& contacts, const ContactState& state,
+                                            double friction, BufferStorage* displacement,
+                                            BufferStorage* direction) {
+  kernels::contact_product::Args args;
+  args.threads = contacts.plan().particles;
+  args.contact_distance = contacts.plan().distance;
+  args.friction = friction;
+  args.contact = contacts.buffer("contact");
+  args.start = contacts.buffer("contact_start");
+  args.displacement = displacement;
+  args.direction = direction;
+  args.solver = state.solver;
+  args.force = state.force;
   return args;
 }
 
@@ -261,28 +298,27 @@ template <class Visit> void Contacts::each_kernel(const ContactState& state, Vis
 void Contacts::prepare() {
   const ContactState none;
   const auto compile = [&](const auto& args) { device_.prepare(args.info(), &args); };
-  if (plan_.boundaries) compile(boundary_args(*this, none, 0, 0));
+  if (plan_.any()) compile(kernels::contact_start::Args{});
+  if (plan_.boundaries) compile(boundary_args(*this, none, 0, base_));
   if (!plan_.pairs()) return;
-  compile(kernels::contact_start::Args{});
   each_kernel(none, compile);
   compile(force_args(*this, none, friction_));
+  if (plan_.use.tangent) compile(product_args(*this, none, friction_, nullptr, nullptr));
 }
 
 void Contacts::begin_step(double time, double step, const ContactState& state) {
   if (!plan_.any()) return;
-  least_stiffness_ = lightest_ / (step * step);
   if (plan_.boundaries && !still_) {
     device_.enter(boundary_component);
     device_.upload(buffer("obstacle"), obstacles_.table(time, time + step, origin_));
   }
-  if (!plan_.pairs()) return;
-  device_.enter(component);
+  device_.enter(plan_.pairs() ? component : boundary_component);
   kernels::contact_start::Args start;
   start.threads = plan_.particles;
   start.base_x = base_[0];
   start.base_y = base_[1];
   start.base_z = base_[2];
-  start.least_stiffness = least_stiffness_;
+  start.least_stiffness = lightest_ / (step * step); // of particles without bonds
   start.owner = state.owner;
   start.origin = state.origin;
   start.position = state.position;
@@ -300,12 +336,18 @@ void Contacts::find(const ContactState& state) {
 void Contacts::add_forces(const ContactState& state) {
   if (plan_.boundaries) {
     device_.enter(boundary_component);
-    device_.run(boundary_args(*this, state, obstacles_.count(), least_stiffness_));
+    device_.run(boundary_args(*this, state, obstacles_.count(), base_));
   }
   if (plan_.pairs()) {
     device_.enter(component);
     device_.run(force_args(*this, state, friction_));
   }
+}
+
+void Contacts::add_product(const ContactState& state, BufferStorage* displacement, BufferStorage* direction) {
+  if (!plan_.pairs()) return;
+  device_.enter(component);
+  device_.run(product_args(*this, state, friction_, displacement, direction));
 }
 
 ContactOverflow Contacts::overflow() {

@@ -13,6 +13,7 @@
 
 #include "engine/device/device.h"
 #include "engine/model/model.h"
+#include "engine/plan/method.h"
 #include "engine/plan/spec.h"
 #include "engine/solver/contact_obstacles.h"
 
@@ -20,7 +21,8 @@
 
 namespace pliant {
 
-/// Buffers of the solver that contacts read and add to. The last two only where bodies may touch themselves.
+/// Buffers of the solver that contacts read and add to. The bonds only where bodies may touch themselves, the
+/// energy only where the solver looks at the potential.
 struct ContactState {
   BufferStorage* position = nullptr;     ///< real4, m, relative to the body's origin; w: mass
   BufferStorage* displacement = nullptr; ///< real4, m: the iterate
@@ -31,7 +33,15 @@ struct ContactState {
   BufferStorage* force = nullptr;        ///< real4, N; w: stiffness of the diagonal, N/m
   BufferStorage* slice_begin = nullptr;  ///< uint
   BufferStorage* bond = nullptr;         ///< uint
+  BufferStorage* energy = nullptr;       ///< real, J
 };
+
+/// What a solver asks of contacts besides forces.
+struct ContactUse {
+  bool potential = false; ///< their energy is added to that of the particles
+  bool tangent = false;   ///< products with the derivative of their forces
+};
+ContactUse contact_use(const Method& method);
 
 /// What a scene needs for contacts.
 struct ContactPlan {
@@ -42,6 +52,7 @@ struct ContactPlan {
   std::uint32_t particles = 0, cells = 0, chunks = 0;
   double radius = 0;   ///< m; half a spacing: surfaces rest on obstacles, not the outermost centres
   double distance = 0; ///< m; between centres of touching particles
+  ContactUse use;
   double reach = 0;    ///< m; lists hold what is closer than this: distance plus margin()
   std::vector<BufferSpec> buffers;
   std::vector<KernelSpec> kernels;
@@ -51,7 +62,7 @@ struct ContactPlan {
   double margin() const { return reach - distance; }
 };
 /// Throws Error(usage): more than 32 boundaries, a mesh that will not do; Error(too_large).
-ContactPlan plan_contacts(const Scene& scene, const Model& model);
+ContactPlan plan_contacts(const Scene& scene, const Model& model, ContactUse use = {});
 
 /// Contacts that found no room in the last find(): they are dropped on both sides.
 struct ContactOverflow {
@@ -62,7 +73,8 @@ class Contacts {
 public:
   /// Allocates what plan_contacts() lists, and samples the distance of mesh obstacles.
   /// Device coordinates are relative to `scene_origin`, m, world.
-  Contacts(Device& device, const Scene& scene, const Model& model, const Vector3& scene_origin);
+  Contacts(Device& device, const Scene& scene, const Model& model, const Vector3& scene_origin,
+           ContactUse use = {});
 
   const ContactPlan& plan() const { return plan_; }
   /// Compiles every kernel, so that no step has to.
@@ -74,6 +86,11 @@ public:
   void find(const ContactState& state);
   /// Adds to `force`. Does nothing once the solver has stopped.
   void add_forces(const ContactState& state);
+  /// Adds the derivative of the forces between particles along `direction` to `force`, at `displacement`; the
+  /// obstacles' own is in block(). Only where the plan's use has a tangent.
+  void add_product(const ContactState& state, BufferStorage* displacement, BufferStorage* direction);
+  /// real4, two a particle: -df/du of the obstacles' forces in the last add_forces(), N/m; null without.
+  BufferStorage* block() const { return buffer("contact_block"); }
 
   /// uint a particle, 1 where a contact acted in the last add_forces(); null where nothing can touch.
   BufferStorage* touched() const { return plan_.any() ? buffer("touched") : nullptr; }
@@ -89,7 +106,7 @@ private:
   ContactPlan plan_;
   Obstacles obstacles_;
   std::map<std::string, Buffer> buffers_;
-  double friction_ = 0, lightest_ = 0, least_stiffness_ = 0; ///< -, kg, N/m
+  double friction_ = 0, lightest_ = 0; ///< -, kg
   bool still_ = false;               ///< no obstacle moves: the table holds for every step
   Vector3 origin_ = Vector3::Zero(); ///< m, world: of the device's coordinates
   Vector3 base_ = Vector3::Zero();   ///< m: the bodies' middle, relative to it

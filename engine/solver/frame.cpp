@@ -2,6 +2,7 @@
 #include "engine/solver/frame.h"
 
 #include "engine/core/error.h"
+#include "engine/solver/elasticity.h"
 #include "engine/solver/state.h"
 #include "kernels/deformation.h"
 #include "kernels/frame_particles.h"
@@ -100,7 +101,7 @@ FrameOutput::FrameOutput(Simulation& simulation) : simulation_(simulation) {
 }
 
 void FrameOutput::update() {
-  Simulation::State& s = *simulation_.state_;
+  SimulationState& s = *simulation_.state_;
   Device& device = simulation_.device_;
   device.enter("frames");
   if (gradient_)
@@ -108,7 +109,7 @@ void FrameOutput::update() {
       device.run(kernels::deformation::Args{.threads = range.count,
                                             .first = range.first,
                                             .first_slice = range.first_slice,
-                                            .unit = simulation_.unit_,
+                                            .unit = simulation_.elasticity_->unit(),
                                             .slice_begin = s.slice_begin,
                                             .bond = s.bond,
                                             .weight = s.weight,

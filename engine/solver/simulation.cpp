@@ -3,9 +3,12 @@
 
 #include "engine/core/error.h"
 #include "engine/solver/contact.h"
+#include "engine/solver/elasticity.h"
 #include "engine/solver/frame.h"
 #include "engine/solver/motion.h"
+#include "engine/solver/global_step.h"
 #include "engine/solver/state.h"
+#include "engine/solver/stiffness.h"
 #include "kernels/all.h"
 
 #include <Eigen/Eigenvalues>
@@ -13,7 +16,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <unordered_map>
 
 namespace pliant {
 
@@ -50,64 +52,14 @@ std::uint32_t anchor_of(const Model& model, const BodyModel& body) {
 
 } // namespace
 
-Buffer* Simulation::State::find(const std::string& name) {
-  const std::unordered_map<std::string, Buffer*> members{
-      {"position", &position},
-      {"velocity", &velocity},
-      {"inertia_target", &inertia_target},
-      {"displacement", &displacement},
-      {"earlier_iterate", &earlier_iterate},
-      {"best_iterate", &best_iterate},
-      {"force", &force},
-      {"linear_start", &linear_start},
-      {"owner", &owner},
-      {"earlier_velocity", &earlier_velocity},
-      {"earlier_shift", &earlier_shift},
-      {"external_force", &external_force},
-      {"energy", &energy},
-      {"slice_begin", &slice_begin},
-      {"bond", &bond},
-      {"weight", &weight},
-      {"shape", &shape},
-      {"record", &record},
-      {"rotation", &rotation},
-      {"extension", &extension},
-      {"solver", &solver},
-      {"residual_partial", &residual_partial},
-      {"motion", &motion},
-      {"held", &held},
-      {"held_start", &held_start},
-      {"origin", &origin},
-      {"origin_shift", &origin_shift},
-      {"anchor", &anchor},
-      {"chunk", &chunk},
-      {"component", &component},
-      {"moment", &moment},
-      {"rigid", &rigid},
-      {"chunk_sum", &chunk_sum},
-      {"statistics", &statistics},
-  };
-  const auto found = members.find(name);
-  return found == members.end() ? nullptr : found->second;
-}
-
 Simulation::Simulation(Device& device, const Scene& scene, const Model& model, const PlanRequest& request)
-    : device_(device), scene_(scene), model_(model), state_(std::make_unique<State>()) {
+    : device_(device), scene_(scene), model_(model), state_(std::make_unique<SimulationState>()),
+      elasticity_(std::make_unique<Elasticity>(device, scene, model, *state_)) {
   if (model.count() == 0) throw Error(ExitCode::usage, "the scene has no particles: give it a [[body]]");
   const SlicedBonds bonds = slice_bonds(model);
   plan_ = make_plan(scene, model, bonds, request);
   chunks_ = make_chunks(model);
-  // Frames fall on whole steps: a step is shortened until a whole number of them makes a frame.
-  const double frame = 1 / scene.output.fps;
-  const double per_frame = std::ceil(frame / scene.simulation.time_step * (1 - 1e-9));
-  time_step_ = frame / std::max(per_frame, 1.0);
-  iterations_ = scene.solver.iterations;
-  unit_ = model.spacing / reference_grid;
-  for (const Material& material : scene.materials) {
-    if (material.law != law_name(Law::projective)) continue;
-    deviatoric_ = material.split;
-    swap_rows_ = material.inversion == "swap";
-  }
+  time_step_ = whole_step(scene);
   for (const BodyModel& body : model.bodies)
     scene_origin_ += body.origin / static_cast<double>(model.bodies.size());
   // Snapped, so that moving a scene by a round distance moves no bit of it.
@@ -116,7 +68,8 @@ Simulation::Simulation(Device& device, const Scene& scene, const Model& model, c
   allocate();
   upload(bonds);
   if (plan_.boundaries || plan_.pairs)
-    contacts_ = std::make_unique<Contacts>(device_, scene, model, scene_origin_);
+    contacts_ = std::make_unique<Contacts>(device_, scene, model, scene_origin_, contact_use(plan_.method));
+  global_step_ = make_global_step({device_, scene_, model_, plan_, *state_, *elasticity_, contacts_.get()});
   choose_step(time_step_);
   if (plan_.frames) frame_ = std::make_unique<FrameOutput>(*this);
   prepare_kernels(device_, plan_);
@@ -131,7 +84,7 @@ void Simulation::allocate() {
 }
 
 void Simulation::upload(const SlicedBonds& bonds) {
-  State& s = *state_;
+  SimulationState& s = *state_;
   const std::size_t n = model_.count();
   std::vector<Real4d> rows(n);
   std::vector<Real4d> origins;
@@ -218,37 +171,21 @@ void Simulation::upload_shapes() {
 }
 
 void Simulation::choose_step(double step) {
+  const Stiffness stiffness = stiffness_of(model_, step);
   solve_step_ = step;
-  const std::vector<double> stiffness = diagonal_stiffness(model_);
-  std::vector<bool> held(model_.count(), false);
-  for (const Held& entry : model_.held) held[entry.particle] = true;
-  stiffness_number_ = 0;
-  double noise = 0;
-  for (std::size_t i = 0; i < model_.count(); ++i) {
-    if (held[i]) continue;
-    const double inertia = model_.mass[i] / (step * step);
-    stiffness_number_ = std::max(stiffness_number_, stiffness[i] / inertia);
-    noise += stiffness[i] * stiffness[i] / (stiffness[i] + inertia);
-  }
-  // Forces are sums of terms of size K times the spacing, each wrong by one rounding.
+  stiffness_number_ = stiffness.number;
   const double epsilon = device_.info().precision == Precision::double_precision
                              ? std::numeric_limits<double>::epsilon()
                              : std::numeric_limits<float>::epsilon();
-  floor_ = epsilon / 2 * model_.spacing * std::sqrt(noise); // a rounding errs by half an epsilon
-  // Spectral radius of Jacobi's iteration, 1 - 1 / (1 + eta); a contact adds as much stiffness again. No
-  // closer to one than the budget can resolve: that would only add oscillation.
-  const double eta = stiffness_number_ * (contacts_ ? 2 : 1);
-  const double reduction = std::log(2 / std::min(std::max(scene_.solver.tolerance, 1e-3), 0.2));
-  const double resolved = 0.5 * std::pow(reduction / std::max(iterations_, 1u), 2);
-  one_minus_rho_ = std::min(std::max({1 / (1 + eta), resolved, 1e-7}), 1.0);
-  if (scene_.solver.spectral_radius) one_minus_rho_ = std::max(1 - *scene_.solver.spectral_radius, 1e-7);
+  // Forces are sums of terms of size K times the spacing, each wrong by one rounding: half an epsilon.
+  floor_ = epsilon / 2 * model_.spacing * stiffness.noise;
 }
 
 void Simulation::begin_step() {
   const double end = static_cast<double>(step_ + 1) * time_step_;
   const double wanted = plan_.bdf2 && !first_of_bdf2_ ? time_step_ * 2 / 3 : time_step_;
   if (wanted != solve_step_) choose_step(wanted);
-  if (contacts_) contacts_->begin_step(end - time_step_, time_step_, contact_state());
+  if (contacts_) contacts_->begin_step(end - time_step_, time_step_, contact_state(*state_));
   if (plan_.held) gather_held(end);
   if (plan_.loaded) {
     std::vector<Real4d> force(model_.count(), Real4d{0, 0, 0, 0});
@@ -264,21 +201,8 @@ void Simulation::begin_step() {
   }
 }
 
-ContactState Simulation::contact_state() const {
-  const State& s = *state_;
-  return {.position = s.position,
-          .displacement = s.displacement,
-          .owner = s.owner,
-          .origin = s.origin,
-          .linear_start = s.linear_start,
-          .solver = s.solver,
-          .force = s.force,
-          .slice_begin = s.slice_begin,
-          .bond = s.bond};
-}
-
 void Simulation::gather_held(double time) {
-  State& s = *state_;
+  SimulationState& s = *state_;
   std::vector<Real4d> rows;
   for (const Motion& motion : model_.motions) {
     const RigidMap map = motion_at(motion, time);
@@ -318,7 +242,7 @@ std::vector<Vector3> Simulation::velocities() {
 }
 
 Snapshot Simulation::snapshot() {
-  State& s = *state_;
+  SimulationState& s = *state_;
   Snapshot state;
   state.step = step_;
   state.position = positions();
@@ -336,7 +260,7 @@ Snapshot Simulation::snapshot() {
 }
 
 void Simulation::restore(const Snapshot& state) {
-  State& s = *state_;
+  SimulationState& s = *state_;
   const std::size_t n = model_.count();
   if (state.position.size() != n || state.velocity.size() != n)
     throw Error(ExitCode::internal, "a state of " + std::to_string(state.position.size()) +

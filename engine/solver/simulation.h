@@ -15,8 +15,10 @@
 namespace pliant {
 
 class Contacts;
-struct ContactState;
+class Elasticity;
+class GlobalStep;
 class FrameOutput;
+struct SimulationState;
 
 enum class StopReason : std::uint8_t { none, tolerance, floor, cap };
 
@@ -58,6 +60,17 @@ public:
   /// Advances by one time step. Reads no state back; it only watches, late, whether the solve has ended.
   void step();
 
+  /// A step in parts, for tools that watch the solve; step() is these. iterate() returns true once the solve
+  /// has ended, by its own criterion or by the cap.
+  void begin_solving();
+  bool iterate();
+  void end_solving();
+  /// m, world: where the step would end now. Between begin_solving() and end_solving().
+  std::vector<Vector3> iterate_positions();
+  /// Phi of Eq. 13 at world positions, J: inertia, elasticity and contacts without friction. After
+  /// begin_solving(), which fixes y*; the solve cannot go on afterwards.
+  double potential(const std::vector<Vector3>& positions);
+
   const Plan& plan() const { return plan_; }
   Device& device() { return device_; }
   double time() const { return static_cast<double>(step_) * time_step_; }
@@ -86,7 +99,7 @@ public:
 
 private:
   friend class FrameOutput;
-  struct State;
+
 
   void allocate();
   void upload(const SlicedBonds& bonds);
@@ -95,19 +108,12 @@ private:
   void choose_step(double step);
   void gather_held(double time);
   void begin_solve();
-  ContactState contact_state() const;
-  void begin_elasticity();
-  void local_step();
-  void elastic_force();
-  void contact_force();
-  void global_step(unsigned iteration, bool checked, bool restart);
   bool solve_ended();
   void restore_momentum();
   void advance();
   void rebase();
   void write_statistics();
   StepStatistics row(std::span<const std::byte> bytes, std::uint64_t step) const;
-  void energies();
   void load_displacement(const std::vector<Vector3>& positions);
 
   Device& device_;
@@ -115,18 +121,17 @@ private:
   const Model& model_;
   Plan plan_;
   Chunks chunks_;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<SimulationState> state_;
+  std::unique_ptr<Elasticity> elasticity_;
   std::unique_ptr<Contacts> contacts_;
+  std::unique_ptr<GlobalStep> global_step_;
   std::unique_ptr<FrameOutput> frame_;
   Vector3 scene_origin_ = Vector3::Zero(); ///< world coordinates on the device are relative to it
   double time_step_ = 0, solve_step_ = 0;  ///< h, and (2/3) h where BDF2
-  double unit_ = 0;                        ///< m; of packed bond vectors
-  double deviatoric_ = 0;                  ///< projective law: share of the deviatoric term
-  bool swap_rows_ = false;                 ///< projective law: the paper's row swap
   std::vector<Real4<double>> loaded_;      ///< forces on the device, N
   std::uint32_t held_count_ = 0;           ///< particles held in this step
-  double stiffness_number_ = 0, floor_ = 0, one_minus_rho_ = 1;
-  unsigned iterations_ = 0; ///< cap
+  double stiffness_number_ = 0, floor_ = 0;
+  unsigned iteration_ = 0; ///< of the solve
   std::uint64_t step_ = 0;
   bool first_of_bdf2_ = true; ///< the step before is missing
   struct Pending {

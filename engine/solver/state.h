@@ -2,11 +2,11 @@
 #pragma once
 
 #include "engine/device/device.h"
-#include "engine/solver/simulation.h"
+#include "engine/solver/contact.h"
 
 namespace pliant {
 
-struct Simulation::State {
+struct SimulationState {
   // Particles.
   Buffer position, velocity, inertia_target, displacement, earlier_iterate, best_iterate, force, linear_start,
       owner;
@@ -17,6 +17,8 @@ struct Simulation::State {
   Buffer slice_begin, bond, weight, shape, record, rotation, extension;
   // Solver.
   Buffer solver, residual_partial;
+  // Methods with a line search.
+  Buffer residual, solve_partial, direction, descent, preconditioned, tangent;
   // Held particles.
   Buffer motion, held, held_start;
   // Bodies and components.
@@ -27,6 +29,9 @@ struct Simulation::State {
   /// The member that a name of the plan stands for.
   Buffer* find(const std::string& name);
 };
+
+/// What contacts see of it.
+ContactState contact_state(const SimulationState& state);
 
 inline constexpr std::uint32_t statistics_rows = 64; ///< steps that may be on their way to the host
 

@@ -1,5 +1,6 @@
 // Rows of statistics, and forces and energies for tests and tools.
 #include "engine/core/error.h"
+#include "engine/solver/elasticity.h"
 #include "engine/solver/simulation.h"
 #include "engine/solver/state.h"
 #include "kernels/all.h"
@@ -11,61 +12,9 @@
 
 namespace pliant {
 
-void Simulation::energies() {
-  State& s = *state_;
-  device_.enter("statistics");
-  const auto n = static_cast<std::uint32_t>(plan_.particles);
-  for (const LawRange& range : model_.laws) {
-    switch (range.law) {
-    case Law::corotated:
-      device_.run(kernels::corotated_energy::Args{.threads = range.count,
-                                                  .first = range.first,
-                                                  .first_slice = range.first_slice,
-                                                  .stride = n,
-                                                  .unit = unit_,
-                                                  .slice_begin = s.slice_begin,
-                                                  .bond = s.bond,
-                                                  .weight = s.weight,
-                                                  .position = s.position,
-                                                  .displacement = s.best_iterate,
-                                                  .shape = s.shape,
-                                                  .rotation = s.rotation,
-                                                  .energy = s.energy});
-      break;
-    case Law::ordinary:
-      device_.run(kernels::ordinary_energy::Args{.threads = range.count,
-                                                 .first = range.first,
-                                                 .first_slice = range.first_slice,
-                                                 .stride = n,
-                                                 .unit = unit_,
-                                                 .slice_begin = s.slice_begin,
-                                                 .bond = s.bond,
-                                                 .weight = s.weight,
-                                                 .position = s.position,
-                                                 .displacement = s.best_iterate,
-                                                 .shape = s.shape,
-                                                 .energy = s.energy});
-      break;
-    case Law::projective:
-      device_.run(kernels::projective_energy::Args{.threads = range.count,
-                                                   .first = range.first,
-                                                   .first_slice = range.first_slice,
-                                                   .unit = unit_,
-                                                   .deviatoric = deviatoric_,
-                                                   .slice_begin = s.slice_begin,
-                                                   .bond = s.bond,
-                                                   .weight = s.weight,
-                                                   .position = s.position,
-                                                   .record = s.record,
-                                                   .energy = s.energy});
-      break;
-    }
-  }
-}
-
 void Simulation::write_statistics() {
   if (!plan_.statistics) return;
-  State& s = *state_;
+  SimulationState& s = *state_;
   device_.enter("statistics");
   const auto chunks = static_cast<std::uint32_t>(chunks_.chunk.size());
   device_.run(kernels::statistics_chunk::Args{.threads = chunks * kernels::statistics_chunk::group_size,
@@ -126,7 +75,7 @@ std::vector<StepStatistics> Simulation::take_statistics(bool wait) {
 }
 
 void Simulation::load_displacement(const std::vector<Vector3>& positions) {
-  State& s = *state_;
+  SimulationState& s = *state_;
   const std::vector<Real4<double>> y = device_.download_real4(s.position),
                                    o = device_.download_real4(s.origin);
   if (positions.size() != y.size())
@@ -141,13 +90,13 @@ void Simulation::load_displacement(const std::vector<Vector3>& positions) {
   device_.upload(s.displacement, u);
   device_.copy(s.displacement, s.best_iterate);
   device_.upload(s.solver, std::vector<double>(SOLVER_ENTRIES, 0.0));
-  begin_elasticity();
-  local_step();
+  elasticity_->begin();
+  elasticity_->state(s.displacement);
 }
 
 std::vector<Vector3> Simulation::elastic_forces(const std::vector<Vector3>& positions) {
   load_displacement(positions);
-  elastic_force();
+  elasticity_->force();
   std::vector<Vector3> result;
   for (const Real4<double>& f : device_.download_real4(state_->force)) result.emplace_back(f.x, f.y, f.z);
   return result;
@@ -156,9 +105,46 @@ std::vector<Vector3> Simulation::elastic_forces(const std::vector<Vector3>& posi
 double Simulation::elastic_energy(const std::vector<Vector3>& positions) {
   if (!plan_.energy) throw Error(ExitCode::internal, "energies are not in this simulation's plan");
   load_displacement(positions);
-  energies();
+  device_.enter("statistics");
+  elasticity_->energy(state_->best_iterate);
   double sum = 0;
   for (double e : device_.download_real(state_->energy)) sum += e;
+  return sum;
+}
+
+std::vector<Vector3> Simulation::iterate_positions() {
+  SimulationState& s = *state_;
+  const std::vector<Real4<double>> y = device_.download_real4(s.position),
+                                   u = device_.download_real4(s.best_iterate),
+                                   o = device_.download_real4(s.origin);
+  std::vector<Vector3> world(y.size());
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const Real4<double>& body = o[model_.body[i]];
+    world[i] = scene_origin_ + Vector3(body.x + y[i].x + u[i].x, body.y + y[i].y + u[i].y,
+                                       body.z + y[i].z + u[i].z);
+  }
+  return world;
+}
+
+double Simulation::potential(const std::vector<Vector3>& positions) {
+  if (!plan_.energy) throw Error(ExitCode::internal, "energies are not in this simulation's plan");
+  SimulationState& s = *state_;
+  load_displacement(positions);
+  elasticity_->force();
+  elasticity_->energy(s.best_iterate);
+  if (contacts_ && plan_.method.potential) {
+    contacts_->find(contact_state(s));
+    contacts_->add_forces(contact_state(s));
+  }
+  double sum = 0;
+  for (double e : device_.download_real(s.energy)) sum += e;
+  const std::vector<Real4<double>> target = device_.download_real4(s.inertia_target),
+                                   u = device_.download_real4(s.best_iterate);
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    if (target[i].w < 0) continue;
+    const Vector3 away(u[i].x - target[i].x, u[i].y - target[i].y, u[i].z - target[i].z);
+    sum += target[i].w / 2 * away.squaredNorm();
+  }
   return sum;
 }
 

@@ -21,7 +21,6 @@ void expect_work(Device& device) {
   const Buffer velocity = device.allocate("velocity", Type::real4, 2),
                position = device.allocate("y", Type::real4, 2);
   const Buffer target = device.allocate("t", Type::real4, 2), guess = device.allocate("g", Type::real4, 2);
-  const Buffer iterate = device.allocate("i", Type::real4, 2);
   device.upload(position, std::vector<Real4<double>>(2, {0, 0, 0, 1}));
   kernels::predict::Args args;
   args.threads = 2;
@@ -31,7 +30,6 @@ void expect_work(Device& device) {
   args.velocity = velocity;
   args.inertia_target = target;
   args.displacement = guess;
-  args.earlier_iterate = iterate;
   device.run(args);
   EXPECT_EQ(device.download_real4(target)[1].y, -2);
   EXPECT_EQ(device.download_real4(target)[1].w, 4);

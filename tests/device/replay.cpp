@@ -57,7 +57,7 @@ private:
 void run_predict(Device& device) {
   constexpr std::size_t count = 17;
   std::vector<Buffer> buffers;
-  for (const char* name : {"velocity", "position", "target", "displacement", "iterate"})
+  for (const char* name : {"velocity", "position", "target", "displacement"})
     buffers.push_back(device.allocate(name, Type::real4, count));
   std::vector<Real4<double>> velocity(count, {1, 2, 3, 1});
   velocity[9].x = std::numeric_limits<double>::quiet_NaN(); // the same on both, so no mismatch
@@ -69,7 +69,6 @@ void run_predict(Device& device) {
   args.position = buffers[1];
   args.inertia_target = buffers[2];
   args.displacement = buffers[3];
-  args.earlier_iterate = buffers[4];
   for (int i = 0; i < 3; ++i) {
     velocity[0].x = i;
     device.upload(buffers[0], velocity);

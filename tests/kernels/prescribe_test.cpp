@@ -19,7 +19,7 @@ struct Problem {
     in["motion"] = random_groups(random, 192, 1);
     in["origin"] = random_groups(random, 3, 10);
     in["position"] = random_groups(random, count, 1);
-    for (const char* name : {"inertia_target", "displacement", "earlier_iterate"}) {
+    for (const char* name : {"inertia_target", "displacement"}) {
       in[name] = guarded(random_groups(random, count, 1), 4);
       wanted[name] = Expected(in[name]);
     }
@@ -39,7 +39,7 @@ struct Problem {
         u[axis] = m.dot(start) + in["motion"][4 * row + 3] - o[axis] - y[axis];
         size[axis] = m.cwiseAbs().dot(start.cwiseAbs()) + 1 + std::abs(o[axis]) + std::abs(y[axis]);
       }
-      for (const char* name : {"inertia_target", "displacement", "earlier_iterate"}) {
+      for (const char* name : {"inertia_target", "displacement"}) {
         set_vector(wanted[name], i, u, size);
         wanted[name].set(4 * i + 3, name == std::string("inertia_target") ? -1 : 0);
       }

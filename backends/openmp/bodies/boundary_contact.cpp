@@ -140,16 +140,18 @@ PLIANT_INLINE Reach<real> mesh_distance(const Place<real>& p, Vec3<real> low, re
 
 template <class real> void boundary_contact(const kernels::boundary_contact::View<real>& k) {
   if (k.solver[SOLVER_STOP] > 0) return;
+  const Vec3<real> base{k.base_x, k.base_y, k.base_z};
 #pragma omp parallel for schedule(static)
   for (uint i = 0; i < k.threads; ++i) {
     auto f = k.force[i];
-    const Vec3<real> body = xyz(k.origin[k.owner[i]]), y = xyz(k.position[i]), u = xyz(k.displacement[i]);
-    const real stiffness = f.w > 0 ? f.w : k.least_stiffness;
+    const Vec3<real> u = xyz(k.displacement[i]);
+    const real stiffness = k.start[i].w;
     uint acts = 0;
+    real stored = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
     for (uint o = 0; o < k.obstacles; ++o) {
       const auto* rows = k.obstacle + OBSTACLE_ROWS * o;
       const auto traits = rows[OBSTACLE_KIND], place = rows[OBSTACLE_CENTRE];
-      const Vec3<real> start = (body - xyz(place)) + y, now = start + u;
+      const Vec3<real> start = xyz(k.start[i]) - (xyz(place) - base), now = start + u;
       if (dot(now, now) > place.w * place.w) continue;
       const auto size = rows[OBSTACLE_SIZE];
       const auto *axes = rows + OBSTACLE_AXES, *shift = rows + OBSTACLE_SHIFT;
@@ -202,9 +204,25 @@ template <class real> void boundary_contact(const kernels::boundary_contact::Vie
       f.z += push.z - hold * slide.z;
       f.w += stiffness;
       acts = 1;
+      if (k.potential) {
+        stored += stiffness / 2 * depth * depth;
+        if (traits.z != 0) stored += stiffness / 2 * dot(slide, slide);
+      }
+      if (k.tangent) {
+        // Along the gradient the penalty's stiffness, across it the friction's: hold (1 - n n) + k g g.
+        const Vec3<real> g = gradient;
+        const real across = stiffness - (steep2 > 0 ? hold / steep2 : 0);
+        xx += hold + across * g.x * g.x, yy += hold + across * g.y * g.y, zz += hold + across * g.z * g.z;
+        xy += across * g.x * g.y, xz += across * g.x * g.z, yz += across * g.y * g.z;
+      }
     }
     k.force[i] = f;
     k.touched[i] = acts;
+    if (k.potential && acts) k.energy[i] += stored;
+    if (k.tangent) {
+      k.contact_block[2 * std::size_t{i}] = {xx, xy, xz, yy};
+      k.contact_block[2 * std::size_t{i} + 1] = {yz, zz, 0, 0};
+    }
   }
 }
 

@@ -41,7 +41,8 @@ template <class real> void chebyshev_step(const kernels::chebyshev_step::View<re
       }
       const real inverse_diagonal = 1 / (inertia + f[3]);
       const Quad<real> r = (inertia * (target - u) + f) * no_w;
-      const Quad<real> u_next = omega * ((gamma * inverse_diagonal) * r + (u - u_earlier)) + u_earlier;
+      Quad<real> u_next = omega * ((gamma * inverse_diagonal) * r + (u - u_earlier)) + u_earlier;
+      if (k.position) u_next = f[3] > 0 ? u + f / f[3] : target;
       sum += inverse_diagonal * (r * r);
       store_quad(k.earlier_iterate[i], u_next * no_w);
     }

@@ -1,27 +1,11 @@
 // Forces between touching particles; see kernels/contact_force.decl.
 #include "kernels/contact_force.h"
 #include "backends/openmp/body.h"
-#include "backends/openmp/math.h"
+#include "backends/openmp/pairs.h"
 #include "shaders/common/contact.glsl"
 #include "shaders/common/solver.glsl"
 
 namespace pliant::openmp::PLIANT_ISA {
-
-namespace {
-
-// From i to j where both are in one place: any direction will do that both agree on.
-template <class real> PLIANT_INLINE Vec3<real> agreed_direction(uint i, uint j) {
-  uint h = (smaller(i, j) * 2654435761u) ^ (larger(i, j) * 2246822519u);
-  h ^= h >> 15;
-  h *= 739982445u;
-  h ^= h >> 12;
-  const Vec3<real> d{static_cast<real>(h & 1023) - real(511.5),
-                     static_cast<real>((h >> 10) & 1023) - real(511.5),
-                     static_cast<real>((h >> 20) & 1023) - real(511.5)};
-  return ((i < j ? real(1) : real(-1)) / norm(d)) * d;
-}
-
-} // namespace
 
 template <class real> void contact_force(const kernels::contact_force::View<real>& k) {
   if (k.solver[SOLVER_STOP] > 0) return;
@@ -32,7 +16,7 @@ template <class real> void contact_force(const kernels::contact_force::View<real
     const auto here = k.start[i];
     const Vec3<real> u = xyz(k.displacement[i]);
     Vec3<real> push{0, 0, 0};
-    real stiffness = 0;
+    real stiffness = 0, stored = 0;
     for (uint a = 0; a < CONTACTS; ++a) {
       const uint j = list[16 * a];
       if (j == i) break;
@@ -49,12 +33,15 @@ template <class real> void contact_force(const kernels::contact_force::View<real
       const real slid = norm(slide), hold = both * slid > limit ? limit / slid : both;
       push = push + (hold * slide - normal * n);
       stiffness += both;
+      const real depth = k.contact_distance - r;
+      stored += both / 4 * depth * depth; // the other half is the partner's
     }
     const uint acts = stiffness > 0;
     if (acts) {
       const auto f = k.force[i];
       k.force[i] = {f.x + push.x, f.y + push.y, f.z + push.z, f.w + stiffness};
     }
+    if (k.potential && acts) k.energy[i] += stored;
     k.touched[i] = k.alone ? acts : (k.touched[i] | acts);
   }
 }

@@ -7,7 +7,7 @@
 namespace pliant::openmp::PLIANT_ISA {
 
 template <class real> void corotated_force(const kernels::corotated_force::View<real>& k) {
-  if (k.solver[SOLVER_STOP] > 0) return;
+  if (k.product ? k.solver[SOLVER_LINEAR] == 0 : k.solver[SOLVER_STOP] > 0) return;
   const real unit = grid_unit(k.unit);
 #pragma omp parallel for schedule(static)
   for (uint slice = 0; slice < slice_count(k.threads); ++slice)
@@ -33,7 +33,7 @@ template <class real> void corotated_force(const kernels::corotated_force::View<
       rest.x += i0.x * own.x + i0.y * own.y + i0.z * own.z;
       rest.y += i1.x * own.x + i1.y * own.y + i1.z * own.z;
       rest.z += i2.x * own.x + i2.y * own.y + i2.z * own.z;
-      const Wide4<real> start = gather(k.linear_start, part.index);
+      const Wide4<real> start = k.product ? Wide4<real>{} : gather(k.linear_start, part.index);
       store(k.force + part.first, part.count,
             Wide4<real>{start.x + (linear.x - unit * rest.x), start.y + (linear.y - unit * rest.y),
                         start.z + (linear.z - unit * rest.z), start.w});

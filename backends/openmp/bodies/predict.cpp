@@ -24,7 +24,6 @@ template <class real> void predict(const kernels::predict::View<real>& k) {
     const Vec3<real> guess = target - (1 - v.w) * (h * h) * gravity;
     k.inertia_target[i] = {target.x, target.y, target.z, mass / (h * h)};
     k.displacement[i] = {guess.x, guess.y, guess.z, 0};
-    k.earlier_iterate[i] = {guess.x, guess.y, guess.z, 0};
   }
 }
 

@@ -15,7 +15,6 @@ template <class real> void prescribe(const kernels::prescribe::View<real>& k) {
     const Vec3<real> u = (x - xyz(k.origin[k.owner[i]])) - xyz(k.position[i]);
     k.inertia_target[i] = {u.x, u.y, u.z, -1};
     k.displacement[i] = {u.x, u.y, u.z, 0};
-    k.earlier_iterate[i] = {u.x, u.y, u.z, 0};
   }
 }
 

@@ -1,0 +1,54 @@
+// See kernels/corotated_tangent.decl.
+#include "kernels/corotated_tangent.h"
+#include "backends/openmp/body.h"
+#include "backends/openmp/simd_rotation.h"
+#include "shaders/common/solver.glsl"
+
+namespace pliant::openmp::PLIANT_ISA {
+
+template <class real> void corotated_tangent(const kernels::corotated_tangent::View<real>& k) {
+  if (k.solver[SOLVER_TAKEN] == 0 || k.solver[SOLVER_LINEAR] == 0) return;
+  const real unit = grid_unit(k.unit);
+#pragma omp parallel for schedule(static)
+  for (uint slice = 0; slice < slice_count(k.threads); ++slice)
+    for_each_part(k, slice, [&](const Part<real>& part, uint local) {
+      const uint i = part.first;
+      const Wide4<real> ui = gather(k.displacement, part.index);
+      WideMat3<real> s{};
+      for_each_bond_of_part(k, local, [&](const uint* j, Wide3<real> xi, Wide<real> c_out, Wide<real>) {
+        const Wide4<real> uj = gather(k.displacement, j);
+        add_outer(s, Wide3<real>{c_out * (uj.x - ui.x), c_out * (uj.y - ui.y), c_out * (uj.z - ui.z)}, xi);
+      });
+      const Wide<real> inverse_modulus = load_wide(k.shape + i);
+      const real* start = k.shape + std::size_t{2} * k.stride + i; // sum c Yn (x) xi
+      for (Wide<real>* value : {&s.x.x, &s.x.y, &s.x.z, &s.y.x, &s.y.y, &s.y.z, &s.z.x, &s.z.y, &s.z.z}) {
+        *value = inverse_modulus * (unit * *value + load_wide(start));
+        start += k.stride;
+      }
+      const Wide4<real> q = gather(k.rotation, part.index);
+      const WideMat3<real> u = transposed_product(rotation_matrix<real>(q), s);
+      const Wide<real> theta = u.x.x + u.y.y + u.z.z, coupling = load_wide(k.shape + k.stride + i);
+      Wide<real> xx = theta - u.x.x, yy = theta - u.y.y, zz = theta - u.z.z;
+      const Wide<real> xy = (u.x.y + u.y.x) / -2, xz = (u.x.z + u.z.x) / -2, yz = (u.y.z + u.z.y) / -2;
+      // Gershgorin: no eigenvalue below a fiftieth.
+      const Wide<real> axy = magnitudes<real>(xy), axz = magnitudes<real>(xz), ayz = magnitudes<real>(yz);
+      const Wide<real> low_x = xx - axy - axz, low_y = yy - axy - ayz, low_z = zz - axz - ayz;
+      const Wide<real> low_xy = low_x < low_y ? low_x : low_y, least = low_xy < low_z ? low_xy : low_z;
+      const Wide<real> missing = real(0.02) - least, raise = missing > 0 ? missing : missing - missing;
+      xx += raise, yy += raise, zz += raise;
+      const Wide<real> cxx = yy * zz - yz * yz, cxy = xz * yz - xy * zz, cxz = xy * yz - xz * yy;
+      const Wide<real> f = 1 / (xx * cxx + xy * cxy + xz * cxz);
+      Real4<real>* const tangent = k.tangent + 4 * std::size_t{i};
+      const Wide<real> none{};
+      store<4>(tangent, part.count, q);
+      store<4>(tangent + 1, part.count, Wide4<real>{f * cxx, f * cxy, f * cxz, f * (xx * zz - xz * xz)});
+      store<4>(tangent + 2, part.count,
+               Wide4<real>{f * (xy * xz - xx * yz), f * (xx * yy - xy * xy), 1 - coupling * (theta - 1),
+                           coupling});
+      store<4>(tangent + 3, part.count, Wide4<real>{inverse_modulus, none, none, none});
+    });
+}
+
+PLIANT_BODY(corotated_tangent)
+
+} // namespace pliant::openmp::PLIANT_ISA

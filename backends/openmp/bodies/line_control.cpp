@@ -1,0 +1,78 @@
+// See kernels/line_control.decl.
+#include "kernels/line_control.h"
+#include "backends/openmp/body.h"
+#include "backends/openmp/math.h"
+#include "shaders/common/solver.glsl"
+
+namespace pliant::openmp::PLIANT_ISA {
+
+template <class real> void line_control(const kernels::line_control::View<real>& k) {
+  Real4<real> sums{0, 0, 0, 0};
+  for (uint p = 0; p < k.partial_count; ++p) {
+    const auto part = k.solve_partial[p];
+    sums = {sums.x + part.x, sums.y + part.y, sums.z + part.z, sums.w + part.w};
+  }
+  real* const solver = k.solver;
+  solver[SOLVER_TAKEN] = 0;
+  solver[SOLVER_ACTION] = 0;
+  if (k.iteration > 0 && solver[SOLVER_STOP] > 0) return; // done, or nothing was evaluated
+  const real e = root(sums.x), phi = sums.y;
+  const bool finite = __builtin_isfinite(e) && __builtin_isfinite(phi);
+  if (k.iteration == 0) {
+    solver[SOLVER_COUNT] = 0;
+    solver[SOLVER_FIRST] = e;
+    solver[SOLVER_RESTARTS] = 0;
+    solver[SOLVER_REASON] = 3;
+    solver[SOLVER_CAUTIOUS] = 0;
+    solver[SOLVER_RETURN] = 0;
+  }
+  solver[SOLVER_COUNT] += 1;
+  solver[SOLVER_CURRENT] = e;
+  const real length = solver[SOLVER_LENGTH], slope = solver[SOLVER_SLOPE], steep = sums.z / length;
+  bool taken = k.iteration == 0 || k.restart || solver[SOLVER_RETURN] > 0;
+  if (!taken && finite) {
+    const real before = solver[SOLVER_POTENTIAL], change = phi - before;
+    if (k.potential && magnitude(change) > k.noise * (magnitude(phi) + magnitude(before)))
+      taken = change <= real(-1e-4) * length * slope;
+    else
+      taken = magnitude(steep) <= real(0.8) * slope || e < (1 - length / 4) * solver[SOLVER_BEST];
+  }
+  if (taken) {
+    if (k.restart && finite) solver[SOLVER_FIRST] = larger(e, solver[SOLVER_FIRST]);
+    if (!__builtin_isfinite(solver[SOLVER_FIRST])) solver[SOLVER_FIRST] = e;
+    const bool enough = finite && (e <= k.floor_residual || e <= k.tolerance * solver[SOLVER_FIRST]);
+    solver[SOLVER_TAKEN] = 1;
+    solver[SOLVER_ACTION] = 1;
+    solver[SOLVER_BEST] = finite ? e : real(3e38);
+    solver[SOLVER_POTENTIAL] = finite ? phi : real(3e38);
+    solver[SOLVER_ITERATIONS] = solver[SOLVER_COUNT] - 1;
+    solver[SOLVER_CUTS] = 0;
+    if (solver[SOLVER_RETURN] == 0) solver[SOLVER_CAUTIOUS] = 0;
+    solver[SOLVER_RETURN] = 0;
+    solver[SOLVER_INNER] = 0;
+    if (enough) solver[SOLVER_REASON] = e <= k.floor_residual ? real(2) : real(1);
+    solver[SOLVER_STOP] = enough ? real(1) : real(0.5);
+    solver[SOLVER_LINEAR] = enough ? real(0) : real(1);
+    return;
+  }
+  solver[SOLVER_CUTS] += 1;
+  solver[SOLVER_RESTARTS] += 1;
+  if (solver[SOLVER_CUTS] <= 12) {
+    const real root_of_secant = finite && slope > steep ? slope / (slope - steep) : real(0.5);
+    const real factor = larger(real(0.1), smaller(real(0.5), root_of_secant));
+    solver[SOLVER_FACTOR] = factor;
+    solver[SOLVER_LENGTH] = length * factor;
+    solver[SOLVER_ACTION] = 2;
+  } else if (solver[SOLVER_CAUTIOUS] == 0) {
+    solver[SOLVER_CAUTIOUS] = 1;
+    solver[SOLVER_RETURN] = 1;
+    solver[SOLVER_ACTION] = 3;
+  } else {
+    solver[SOLVER_STOP] = 1;
+    solver[SOLVER_REASON] = 4;
+  }
+}
+
+PLIANT_BODY(line_control)
+
+} // namespace pliant::openmp::PLIANT_ISA

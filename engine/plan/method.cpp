@@ -1,0 +1,84 @@
+// Chooses the global step.
+#include "engine/plan/method.h"
+
+#include "engine/core/error.h"
+#include "engine/scene/scene.h"
+#include "engine/solver/stiffness.h"
+
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+
+namespace pliant {
+
+namespace {
+
+constexpr std::array methods{"auto", "chebyshev", "jacobi", "position", "direct", "lbfgs", "newton"};
+constexpr std::array preconditioners{"auto", "diagonal", "multilevel", "direct"};
+
+bool has(const Model& model, Law law) {
+  return std::any_of(model.laws.begin(), model.laws.end(),
+                     [law](const LawRange& range) { return range.law == law && range.count > 0; });
+}
+
+// Slipping with friction does work that depends on the path.
+bool slips_with_friction(const Scene& scene, const Model& model) {
+  const bool touching = (scene.contact.bodies && model.bodies.size() > 1) || scene.contact.self;
+  return (touching && scene.contact.friction > 0) ||
+         std::any_of(scene.boundaries.begin(), scene.boundaries.end(),
+                     [](const Boundary& b) { return b.slip && b.friction > 0; });
+}
+
+// Chebyshev's iterations grow with the root of the stiffness number, Newton's hardly at all: they meet here.
+constexpr double stiff = 1e3;
+constexpr double nearly_incompressible = 0.4;
+constexpr double tight = 1e-4;
+
+} // namespace
+
+Method choose_method(const Scene& scene, const Model& model) {
+  Method method;
+  method.name = scene.solver.method;
+  method.stiffness_number = stiffness_of(model, whole_step(scene)).number;
+  const double eta = method.stiffness_number;
+  const bool projective = has(model, Law::projective);
+  if (method.name == "auto") {
+    double ratio = 0;
+    for (const Material& material : scene.materials) ratio = std::max(ratio, material.poisson);
+    if (projective) {
+      method.name = "chebyshev";
+      method.reason = "the projective law has no potential to descend";
+    } else if (eta > stiff || ratio > nearly_incompressible || scene.solver.tolerance < tight) {
+      method.name = "newton";
+      method.reason = eta > stiff ? fmt::format("the stiffness number {:.3g} is above {:g}", eta, stiff)
+                      : ratio > nearly_incompressible
+                          ? fmt::format("a Poisson's ratio of {:g} is above {:g}", ratio, nearly_incompressible)
+                          : fmt::format("the tolerance {:g} is below {:g}", scene.solver.tolerance, tight);
+    } else {
+      method.name = "chebyshev";
+      method.reason = fmt::format("the stiffness number {:.3g} is not above {:g}", eta, stiff);
+    }
+  }
+  if (method.name == "newton" && projective)
+    throw Error(ExitCode::usage,
+                "solver.method \"newton\": the projective law has no potential, so no symmetric derivative to "
+                "solve with; choose chebyshev, lbfgs or direct, or law = \"corotated\"");
+  method.line_search = method.name == "newton" || method.name == "lbfgs" || method.name == "direct";
+  method.potential = method.line_search && !projective && !slips_with_friction(scene, model);
+  if (method.name == "direct") {
+    method.preconditioner = "direct";
+  } else if (method.line_search) {
+    method.preconditioner = scene.solver.preconditioner;
+    if (method.preconditioner == "auto") method.preconditioner = eta > 50 ? "multilevel" : "diagonal";
+  }
+  return method;
+}
+
+std::span<const char* const> method_names() {
+  return methods;
+}
+std::span<const char* const> preconditioner_names() {
+  return preconditioners;
+}
+
+} // namespace pliant

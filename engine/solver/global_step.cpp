@@ -1,0 +1,14 @@
+// The choice among global steps.
+#include "engine/solver/global_step.h"
+
+#include "engine/solver/newton.h"
+#include "engine/solver/stationary.h"
+
+namespace pliant {
+
+std::unique_ptr<GlobalStep> make_global_step(const SolveContext& context) {
+  if (context.plan.method.name == "newton") return std::make_unique<Newton>(context);
+  return std::make_unique<Stationary>(context);
+}
+
+} // namespace pliant

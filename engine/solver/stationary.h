@@ -1,0 +1,20 @@
+// Jacobi's iteration, plain, with Chebyshev acceleration, or in the manner of position-based dynamics.
+#pragma once
+
+#include "engine/solver/global_step.h"
+
+namespace pliant {
+
+class Stationary : public GlobalStep {
+public:
+  using GlobalStep::GlobalStep;
+  void begin(const SolveBounds& bounds) override;
+  void apply(unsigned k, bool checked, bool restart) override;
+  unsigned check_every() const override { return 8; } // more often costs more than it saves
+
+private:
+  SolveBounds bounds_;
+  double one_minus_rho_ = 1;
+};
+
+} // namespace pliant

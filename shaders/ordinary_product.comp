@@ -1,0 +1,20 @@
+// See kernels/ordinary_product.decl.
+#include "common/bonds.glsl"
+#include "common/direction.glsl"
+#include "common/solver.glsl"
+
+void main() {
+  uint local = thread_index();
+  if (local >= threads || solver[SOLVER_LINEAR] == 0.0) return;
+  uint i = first + local, slice = first_slice + local / SLICE, lane = local % SLICE;
+  vec3 yi = tangent[4 * i].xyz, pi = direction[i].xyz;
+  float lengthening = 0.0;
+  for (uint row = slice_begin[slice]; row < slice_begin[slice + 1]; ++row) {
+    uint entry = 32 * row + lane;
+    uint j = bond[entry];
+    vec3 xi = unpack_bond(bond[entry + 16], unit);
+    lengthening += weight[entry] * length(xi) *
+                   dot(bond_direction(tangent[4 * j].xyz - yi, xi), direction[j].xyz - pi);
+  }
+  extension[i] = vec4(pi, shape[stride + i] * shape[i] * lengthening);
+}
