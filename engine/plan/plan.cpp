@@ -97,6 +97,7 @@ public:
       for (const BufferSpec& spec : needs.buffers) buffer(spec.name, spec.type, spec.count);
       for (const KernelSpec& spec : needs.kernels) kernel(spec);
     }
+    begin("direct", plan_.method.preconditioner == "direct");
     begin("newton", method == "newton");
     buffer("direction", Type::real4, n_);
     buffer("descent", Type::real4, n_);
@@ -105,6 +106,15 @@ public:
     kernel(kernels::conjugate_control::Args{.after = 1});
     kernels<kernels::conjugate_direction::Args, kernels::conjugate_update::Args>();
     kernel(kernels::newton_product::Args{.obstacles = plan_.boundaries});
+    begin("quasi-newton", plan_.method.line_search && method != "newton");
+    const std::uint32_t remembers = method == "lbfgs";
+    kernel(kernels::history_control::Args{.remembers = remembers});
+    kernel(kernels::history_direction::Args{.remembers = remembers});
+    begin("l-bfgs", remembers != 0);
+    buffer("history", Type::real4, std::size_t{HISTORY_ROWS} * n_);
+    buffer("history_partial", Type::real, std::size_t{HISTORY_DOTS} * groups);
+    buffer("gram", Type::real, std::size_t{2} * MEMORY * MEMORY);
+    kernels<kernels::history_store::Args, kernels::history_dots::Args>();
   }
 
   void elasticity() {

@@ -2,12 +2,14 @@
 #include "engine/solver/global_step.h"
 
 #include "engine/solver/newton.h"
+#include "engine/solver/quasi_newton.h"
 #include "engine/solver/stationary.h"
 
 namespace pliant {
 
 std::unique_ptr<GlobalStep> make_global_step(const SolveContext& context) {
   if (context.plan.method.name == "newton") return std::make_unique<Newton>(context);
+  if (context.plan.method.line_search) return std::make_unique<QuasiNewton>(context);
   return std::make_unique<Stationary>(context);
 }
 

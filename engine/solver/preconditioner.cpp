@@ -1,6 +1,7 @@
 // The diagonal preconditioner, and the choice among all.
 #include "engine/solver/preconditioner.h"
 
+#include "engine/solver/direct.h"
 #include "engine/solver/multilevel.h"
 #include "engine/solver/state.h"
 #include "kernels/precondition.h"
@@ -19,6 +20,7 @@ void Preconditioner::apply() {
 
 std::unique_ptr<Preconditioner> make_preconditioner(const SolveContext& context) {
   if (context.plan.method.preconditioner == "multilevel") return std::make_unique<Multilevel>(context);
+  if (context.plan.method.preconditioner == "direct") return std::make_unique<Direct>(context);
   return std::make_unique<Preconditioner>(context);
 }
 

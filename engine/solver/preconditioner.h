@@ -3,6 +3,8 @@
 
 #include "engine/solver/global_step.h"
 
+#include <memory>
+
 namespace pliant {
 
 /// The diagonal of the constant matrix, and the base of the others.

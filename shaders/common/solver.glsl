@@ -28,4 +28,17 @@
 #define SOLVER_RZ_ENOUGH 25    // at which they end
 #define SOLVER_CG_STEP 26      // along the direction
 #define SOLVER_CG_KEEP 27      // of the last direction
+#define SOLVER_HISTORY 28      // steps remembered, at most MEMORY
+#define SOLVER_NEWEST 29       // slot of the last of them
+#define SOLVER_KEEP_Z 30       // coefficients of a quasi-Newton direction: of z,
+#define SOLVER_KEEP_STEP 31    //   of each step (MEMORY),
+#define SOLVER_KEEP_IMAGE 36   //   of each image (MEMORY)
 #define SOLVER_ENTRIES 64
+#define MEMORY 5               // steps that a quasi-Newton method remembers
+#define HISTORY_DOTS 25        // five a slot: s.r, z.r, s.y_new, s_new.y, y.z_new
+#define HISTORY_STEP 0         // rows of the buffer `history`, MEMORY each: s, the step
+#define HISTORY_CHANGE 5       //   y, how the residual fell
+#define HISTORY_IMAGE 10       //   z = P^-1 y
+#define HISTORY_RESIDUAL 15    //   and the last residual and its image, one row each
+#define HISTORY_PRECONDITIONED 16
+#define HISTORY_ROWS 17

@@ -1,0 +1,76 @@
+// Runs the quasi-Newton methods' kernels.
+#include "engine/solver/quasi_newton.h"
+
+#include "engine/solver/state.h"
+#include "kernels/history_control.h"
+#include "kernels/history_direction.h"
+#include "kernels/history_dots.h"
+#include "kernels/history_store.h"
+
+namespace pliant {
+
+namespace {
+
+/// Iterations after which the preconditioner follows the rotations and contacts, and the history, which
+/// belongs to the old one, is forgotten.
+constexpr unsigned refresh_every = 32;
+
+} // namespace
+
+QuasiNewton::QuasiNewton(const SolveContext& context)
+    : GlobalStep(context), line_(context), preconditioner_(make_preconditioner(context)),
+      remembers_(context.plan.method.name == "lbfgs"),
+      // The sum of coarse and fine corrections goes about three times too far.
+      first_length_(context.plan.method.preconditioner == "multilevel" ? 0.3 : 1.0) {}
+
+void QuasiNewton::begin(const SolveBounds& bounds) {
+  line_.begin(bounds);
+  preconditioner_->begin(bounds);
+}
+
+void QuasiNewton::apply(unsigned k, bool, bool restart) {
+  Device& device = context_.device;
+  SimulationState& s = context_.state;
+  const auto n = static_cast<std::uint32_t>(context_.plan.particles);
+  const bool anew = k == 0 || restart || k % refresh_every == 0;
+  line_.judge(k, restart);
+  if (remembers_)
+    device.run(kernels::history_store::Args{.threads = n,
+                                            .stride = n,
+                                            .displacement = s.displacement,
+                                            .best_iterate = s.best_iterate,
+                                            .residual = s.residual,
+                                            .solver = s.solver,
+                                            .history = s.history});
+  line_.apply();
+  if (anew) preconditioner_->refresh();
+  preconditioner_->apply();
+  device.enter("solver");
+  if (remembers_)
+    device.run(kernels::history_dots::Args{.threads = n,
+                                           .stride = n,
+                                           .residual = s.residual,
+                                           .preconditioned = s.preconditioned,
+                                           .solver = s.solver,
+                                           .history = s.history,
+                                           .history_partial = s.history_partial});
+  device.run(kernels::history_control::Args{.threads = kernels::history_control::group_size,
+                                            .remembers = remembers_,
+                                            .partial_count = static_cast<std::uint32_t>(s.solve_partial.count()),
+                                            .forget = anew,
+                                            .first_length = first_length_,
+                                            .solve_partial = s.solve_partial,
+                                            .history_partial = s.history_partial,
+                                            .gram = s.gram,
+                                            .solver = s.solver});
+  device.run(kernels::history_direction::Args{.threads = n,
+                                              .remembers = remembers_,
+                                              .stride = n,
+                                              .solver = s.solver,
+                                              .preconditioned = s.preconditioned,
+                                              .history = s.history,
+                                              .best_iterate = s.best_iterate,
+                                              .displacement = s.displacement});
+}
+
+} // namespace pliant
