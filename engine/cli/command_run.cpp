@@ -50,7 +50,8 @@ void add_run(CLI::App& program, Action& action) {
   add_precision(*command, options->device);
   command->add_option("--solver", options->run.solver, "chebyshev or jacobi, instead of the scene's")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"auto", "chebyshev", "jacobi", "position", "direct", "lbfgs", "newton"}).description(""));
+      ->check(CLI::IsMember({"auto", "chebyshev", "jacobi", "position", "direct", "lbfgs", "newton"})
+                  .description(""));
   CLI::Option* frames = command->add_option("--frames", options->frames, "end after N frames past frame 0")
                             ->type_name("N")
                             ->check(CLI::Range(1u, 100'000'000u).description(""));

@@ -40,8 +40,7 @@ double shape(int a, const Vector3& x) {
 Vector3 slope(int a, const Vector3& x) {
   Vector3 g = Vector3::Ones();
   for (int k = 0; k < 3; ++k)
-    for (int d = 0; d < 3; ++d)
-      g[d] *= d == k ? (a >> k & 1 ? 1.0 : -1.0) : (a >> k & 1 ? x[k] : 1 - x[k]);
+    for (int d = 0; d < 3; ++d) g[d] *= d == k ? (a >> k & 1 ? 1.0 : -1.0) : (a >> k & 1 ? x[k] : 1 - x[k]);
   return g;
 }
 
@@ -57,7 +56,8 @@ public:
     place_.resize(n_);
     for (const BodyModel& body : model.bodies) {
       Vector3 low = Vector3::Constant(1e300);
-      for (std::uint32_t i = body.first; i < body.first + body.count; ++i) low = low.cwiseMin(model.reference[i]);
+      for (std::uint32_t i = body.first; i < body.first + body.count; ++i)
+        low = low.cwiseMin(model.reference[i]);
       for (std::uint32_t i = body.first; i < body.first + body.count; ++i)
         place_[i] = ((model.reference[i] - low) / model.spacing).array() + 0.5;
     }
@@ -149,11 +149,14 @@ private:
   }
 
   /// One table for all cells that hold the same matter in the same places.
-  void tables(int size, const std::vector<std::vector<std::uint32_t>>& inside, const std::vector<Key>& cells) {
+  void tables(int size, const std::vector<std::vector<std::uint32_t>>& inside,
+              const std::vector<Key>& cells) {
     std::unordered_map<std::string, std::uint32_t> known;
     for (std::size_t c = 0; c < inside.size(); ++c) {
       std::string key;
-      const auto put = [&key](double value) { key.append(reinterpret_cast<const char*>(&value), sizeof value); };
+      const auto put = [&key](double value) {
+        key.append(reinterpret_cast<const char*>(&value), sizeof value);
+      };
       for (std::uint32_t i : inside[c]) {
         const Vector3 x = within(i, size, cells[c]);
         for (int k = 0; k < 3; ++k) put(std::round(x[k] * 4096));
@@ -168,7 +171,8 @@ private:
       const std::size_t first = h_.stiffness.size();
       h_.stiffness.resize(first + Hierarchy::table_size, 0);
       double mu_volume = 0, lambda_volume = 0;
-      for (std::uint32_t i : inside[c]) add_particle(i, size, within(i, size, cells[c]), &h_.stiffness[first]);
+      for (std::uint32_t i : inside[c])
+        add_particle(i, size, within(i, size, cells[c]), &h_.stiffness[first]);
       for (std::uint32_t i : inside[c]) {
         mu_volume += constants_[model_.material[i]].mu * model_.volume[i];
         lambda_volume += constants_[model_.material[i]].lambda * model_.volume[i];
@@ -180,7 +184,8 @@ private:
 
   /// A particle is a cube of one spacing: its stiffness is the mean over its corners.
   void add_particle(std::uint32_t i, int size, const Vector3& x, double* table) const {
-    const double weight = constants_[model_.material[i]].mu * model_.volume[i] / 8, width = size * model_.spacing;
+    const double weight = constants_[model_.material[i]].mu * model_.volume[i] / 8,
+                 width = size * model_.spacing;
     for (int q = 0; q < 8; ++q) {
       const Vector3 at = x + (corner(q) - Vector3::Constant(0.5)) / size;
       std::array<Vector3, 8> g;
@@ -188,14 +193,15 @@ private:
       for (std::size_t a = 0; a < 8; ++a)
         for (std::size_t b = 0; b < 8; ++b)
           for (int r = 0; r < 3; ++r)
-            for (int c = 0; c < 3; ++c) table[12 * (8 * a + b) + std::size_t(3 * r + c)] += weight * g[a][r] * g[b][c];
+            for (int c = 0; c < 3; ++c)
+              table[12 * (8 * a + b) + std::size_t(3 * r + c)] += weight * g[a][r] * g[b][c];
     }
     for (int a = 0; a < 8; ++a)
       for (int b = 0; b < 8; ++b) table[12 * (8 * a + b) + 9] += model_.mass[i] * shape(a, x) * shape(b, x);
   }
 
-  void children(bool finest, const std::vector<std::vector<std::uint32_t>>& inside, const std::vector<Key>& cells,
-                const std::map<Key, std::uint32_t>& cell_at) {
+  void children(bool finest, const std::vector<std::vector<std::uint32_t>>& inside,
+                const std::vector<Key>& cells, const std::map<Key, std::uint32_t>& cell_at) {
     if (finest) {
       for (const auto& particles : inside) {
         h_.child_begin.push_back(static_cast<std::uint32_t>(h_.child.size()));
@@ -233,7 +239,8 @@ private:
       }
       for (int c = 0; c < 8 && p < nodes.size(); ++c) {
         const Key& n = nodes[p];
-        const auto found = cell_at.find({n.body, n.z - 1 + (c >> 2), n.y - 1 + (c >> 1 & 1), n.x - 1 + (c & 1)});
+        const auto found =
+            cell_at.find({n.body, n.z - 1 + (c >> 2), n.y - 1 + (c >> 1 & 1), n.x - 1 + (c & 1)});
         if (found != cell_at.end())
           h_.cell[first_cell + (slice * 8 + static_cast<std::size_t>(c)) * 16 + lane] =
               level.first_cell + found->second;

@@ -3,8 +3,8 @@
 //
 // A cell is 2^l spacings wide and exists where it holds particles; its eight corners are nodes. Levels are
 // nested: a node of a level is a node of the level below it at twice its coordinates. Each body is coarsened
-// until it is one cell. All levels share one numbering of nodes and one of cells; a level begins at a multiple
-// of 16 nodes.
+// until it is one cell. All levels share one numbering of nodes and one of cells; a level begins at a
+// multiple of 16 nodes.
 #pragma once
 
 #include "engine/model/model.h"

@@ -50,19 +50,21 @@ Method choose_method(const Scene& scene, const Model& model) {
       method.reason = "the projective law has no potential to descend";
     } else if (eta > stiff || ratio > nearly_incompressible || scene.solver.tolerance < tight) {
       method.name = "newton";
-      method.reason = eta > stiff ? fmt::format("the stiffness number {:.3g} is above {:g}", eta, stiff)
-                      : ratio > nearly_incompressible
-                          ? fmt::format("a Poisson's ratio of {:g} is above {:g}", ratio, nearly_incompressible)
-                          : fmt::format("the tolerance {:g} is below {:g}", scene.solver.tolerance, tight);
+      method.reason =
+          eta > stiff ? fmt::format("the stiffness number {:.3g} is above {:g}", eta, stiff)
+          : ratio > nearly_incompressible
+              ? fmt::format("a Poisson's ratio of {:g} is above {:g}", ratio, nearly_incompressible)
+              : fmt::format("the tolerance {:g} is below {:g}", scene.solver.tolerance, tight);
     } else {
       method.name = "chebyshev";
       method.reason = fmt::format("the stiffness number {:.3g} is not above {:g}", eta, stiff);
     }
   }
   if (method.name == "newton" && projective)
-    throw Error(ExitCode::usage,
-                "solver.method \"newton\": the projective law has no potential, so no symmetric derivative to "
-                "solve with; choose chebyshev, lbfgs or direct, or law = \"corotated\"");
+    throw Error(
+        ExitCode::usage,
+        "solver.method \"newton\": the projective law has no potential, so no symmetric derivative to "
+        "solve with; choose chebyshev, lbfgs or direct, or law = \"corotated\"");
   method.line_search = method.name == "newton" || method.name == "lbfgs" || method.name == "direct";
   method.potential = method.line_search && !projective && !slips_with_friction(scene, model);
   if (method.name == "direct") {

@@ -110,7 +110,7 @@ struct SimulationSettings {
 };
 
 struct SolverSettings {
-  std::string method = "chebyshev";          ///< see engine/plan/method.h
+  std::string method = "auto";               ///< see engine/plan/method.h
   std::string preconditioner = "auto";       ///< of lbfgs and newton
   double tolerance = 1e-3;                   ///< relative residual
   unsigned iterations = 1000;                ///< a cap

@@ -82,8 +82,9 @@ ContactPlan plan_contacts(const Scene& scene, const Model& model, ContactUse use
       buffer("grid_distance", Type::real, obstacles.grid_nodes(), boundary_component);
     }
     if (use.tangent) buffer("contact_block", Type::real4, 2 * n, boundary_component);
-    kernel(kernels::boundary_contact::Args{
-               .meshes = plan.meshes, .potential = use.potential, .tangent = use.tangent},
+    kernel(kernels::boundary_contact::Args{.meshes = plan.meshes,
+                                           .potential = use.potential,
+                                           .tangent = use.tangent},
            boundary_component);
   }
   if (plan.pairs()) {
@@ -119,8 +120,8 @@ ContactPlan plan_contacts(const Scene& scene, const Model& model, ContactUse use
 
 Contacts::Contacts(Device& device, const Scene& scene, const Model& model, const Vector3& scene_origin,
                    ContactUse use)
-    : device_(device), plan_(plan_contacts(scene, model, use)), obstacles_(scene, plan_.radius, grid_cell(scene)),
-      origin_(scene_origin) {
+    : device_(device), plan_(plan_contacts(scene, model, use)),
+      obstacles_(scene, plan_.radius, grid_cell(scene)), origin_(scene_origin) {
   for (const BufferSpec& spec : plan_.buffers)
     if (!buffers_.count(spec.name))
       buffers_.emplace(spec.name, device.allocate(spec.name, spec.type, spec.count));

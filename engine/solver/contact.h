@@ -53,7 +53,7 @@ struct ContactPlan {
   double radius = 0;   ///< m; half a spacing: surfaces rest on obstacles, not the outermost centres
   double distance = 0; ///< m; between centres of touching particles
   ContactUse use;
-  double reach = 0;    ///< m; lists hold what is closer than this: distance plus margin()
+  double reach = 0; ///< m; lists hold what is closer than this: distance plus margin()
   std::vector<BufferSpec> buffers;
   std::vector<KernelSpec> kernels;
   bool pairs() const { return between || within; }
@@ -107,9 +107,9 @@ private:
   Obstacles obstacles_;
   std::map<std::string, Buffer> buffers_;
   double friction_ = 0, lightest_ = 0; ///< -, kg
-  bool still_ = false;               ///< no obstacle moves: the table holds for every step
-  Vector3 origin_ = Vector3::Zero(); ///< m, world: of the device's coordinates
-  Vector3 base_ = Vector3::Zero();   ///< m: the bodies' middle, relative to it
+  bool still_ = false;                 ///< no obstacle moves: the table holds for every step
+  Vector3 origin_ = Vector3::Zero();   ///< m, world: of the device's coordinates
+  Vector3 base_ = Vector3::Zero();     ///< m: the bodies' middle, relative to it
 };
 
 } // namespace pliant

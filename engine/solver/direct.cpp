@@ -59,7 +59,8 @@ const char* Direct::library() {
 Direct::Direct(const SolveContext& context) : Preconditioner(context), held_(context.model.count(), false) {
   if (context.device.info().backend != "openmp")
     throw Error(ExitCode::usage,
-                "the direct solver factorises a matrix on the CPU; on backend \"" + context.device.info().backend +
+                "the direct solver factorises a matrix on the CPU; on backend \"" +
+                    context.device.info().backend +
                     "\" choose chebyshev, jacobi, position, lbfgs or newton, or --backend openmp");
   for (const Held& entry : context.model.held) held_[entry.particle] = true;
 }
@@ -96,14 +97,16 @@ void Direct::begin(const SolveBounds& bounds) {
   const double bytes = 12 * factor_->cholesky.entries(); // values, and their share of indices
   const double available = available_memory();
   if (available > 0 && bytes > available)
-    throw Error(ExitCode::too_large,
-                fmt::format("the direct solver's factor of {} particles needs about {:.1f} GiB, {:.1f} GiB are free; "
-                            "choose newton or chebyshev, or a larger spacing",
-                            model.count(), bytes / 0x1p30, available / 0x1p30));
+    throw Error(
+        ExitCode::too_large,
+        fmt::format("the direct solver's factor of {} particles needs about {:.1f} GiB, {:.1f} GiB are free; "
+                    "choose newton or chebyshev, or a larger spacing",
+                    model.count(), bytes / 0x1p30, available / 0x1p30));
   factor_->cholesky.factorize(matrix);
   if (factor_->cholesky.info() != Eigen::Success)
-    throw Error(ExitCode::internal, "the direct solver's matrix could not be factorised: a mass or a stiffness of "
-                                    "the scene is not a positive number");
+    throw Error(ExitCode::internal,
+                "the direct solver's matrix could not be factorised: a mass or a stiffness of "
+                "the scene is not a positive number");
 }
 
 void Direct::apply() {

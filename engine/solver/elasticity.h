@@ -4,7 +4,8 @@
 //   state     local step: Y*, or R and theta, of every neighbourhood (He, Wang and Wu 2017, Eqs. 4, 10, 11)
 //   force     what bonds pull with, N
 //   energy    of each particle, J
-//   tangent   what the derivative of the force keeps of an iterate; product: that derivative times a direction
+//   tangent   what the derivative of the force keeps of an iterate; product: that derivative times a
+//   direction
 #pragma once
 
 #include "engine/device/device.h"

@@ -56,10 +56,11 @@ void LineSearch::judge(unsigned k, bool restart) {
 
 void LineSearch::apply() {
   SimulationState& s = context_.state;
-  context_.device.run(kernels::line_apply::Args{.threads = static_cast<std::uint32_t>(context_.plan.particles),
-                                                .solver = s.solver,
-                                                .displacement = s.displacement,
-                                                .best_iterate = s.best_iterate});
+  context_.device.run(
+      kernels::line_apply::Args{.threads = static_cast<std::uint32_t>(context_.plan.particles),
+                                .solver = s.solver,
+                                .displacement = s.displacement,
+                                .best_iterate = s.best_iterate});
 }
 
 } // namespace pliant

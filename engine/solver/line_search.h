@@ -1,5 +1,5 @@
-// The step length (Eq. 13 of He, Wang and Wu 2017): Armijo's rule where there is a potential, the slope that is
-// left along the step where there is none. Kernels decide; see kernels/line_control.decl.
+// The step length (Eq. 13 of He, Wang and Wu 2017): Armijo's rule where there is a potential, the slope that
+// is left along the step where there is none. Kernels decide; see kernels/line_control.decl.
 #pragma once
 
 #include "engine/solver/global_step.h"

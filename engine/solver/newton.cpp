@@ -40,14 +40,15 @@ void Newton::apply(unsigned k, bool, bool restart) {
   context_.elasticity.product(s.direction);
   if (context_.contacts) context_.contacts->add_product(contact_state(s), s.best_iterate, s.direction);
   device.enter("solver");
-  device.run(kernels::newton_product::Args{.threads = n,
-                                           .obstacles = context_.plan.boundaries,
-                                           .inertia_target = s.inertia_target,
-                                           .direction = s.direction,
-                                           .contact_block = context_.contacts ? context_.contacts->block() : nullptr,
-                                           .solver = s.solver,
-                                           .force = s.force,
-                                           .solve_partial = s.solve_partial});
+  device.run(
+      kernels::newton_product::Args{.threads = n,
+                                    .obstacles = context_.plan.boundaries,
+                                    .inertia_target = s.inertia_target,
+                                    .direction = s.direction,
+                                    .contact_block = context_.contacts ? context_.contacts->block() : nullptr,
+                                    .solver = s.solver,
+                                    .force = s.force,
+                                    .solve_partial = s.solve_partial});
   control(true, k + 1 >= bounds_.cap);
   device.run(kernels::conjugate_update::Args{.threads = n,
                                              .solver = s.solver,
@@ -62,13 +63,13 @@ void Newton::apply(unsigned k, bool, bool restart) {
 void Newton::control(bool after, bool last) {
   SimulationState& s = context_.state;
   context_.device.enter("solver");
-  context_.device.run(kernels::conjugate_control::Args{
-      .threads = kernels::conjugate_control::group_size,
-      .after = after,
-      .partial_count = static_cast<std::uint32_t>(s.solve_partial.count()),
-      .last = last,
-      .solve_partial = s.solve_partial,
-      .solver = s.solver});
+  context_.device.run(
+      kernels::conjugate_control::Args{.threads = kernels::conjugate_control::group_size,
+                                       .after = after,
+                                       .partial_count = static_cast<std::uint32_t>(s.solve_partial.count()),
+                                       .last = last,
+                                       .solve_partial = s.solve_partial,
+                                       .solver = s.solver});
 }
 
 } // namespace pliant

@@ -1,5 +1,5 @@
-// Newton's method with conjugate gradients, without a matrix (Dembo and Steihaug 1983; forcing after Eisenstat
-// and Walker 1996): each iteration is one evaluation, or one product with the derivative.
+// Newton's method with conjugate gradients, without a matrix (Dembo and Steihaug 1983; forcing after
+// Eisenstat and Walker 1996): each iteration is one evaluation, or one product with the derivative.
 #pragma once
 
 #include "engine/solver/global_step.h"

@@ -11,11 +11,12 @@ namespace pliant {
 void Preconditioner::apply() {
   SimulationState& s = context_.state;
   context_.device.enter("solver");
-  context_.device.run(kernels::precondition::Args{.threads = static_cast<std::uint32_t>(context_.plan.particles),
-                                                  .residual = s.residual,
-                                                  .solver = s.solver,
-                                                  .preconditioned = s.preconditioned,
-                                                  .solve_partial = s.solve_partial});
+  context_.device.run(
+      kernels::precondition::Args{.threads = static_cast<std::uint32_t>(context_.plan.particles),
+                                  .residual = s.residual,
+                                  .solver = s.solver,
+                                  .preconditioned = s.preconditioned,
+                                  .solve_partial = s.solve_partial});
 }
 
 std::unique_ptr<Preconditioner> make_preconditioner(const SolveContext& context) {

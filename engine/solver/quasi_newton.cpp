@@ -54,15 +54,16 @@ void QuasiNewton::apply(unsigned k, bool, bool restart) {
                                            .solver = s.solver,
                                            .history = s.history,
                                            .history_partial = s.history_partial});
-  device.run(kernels::history_control::Args{.threads = kernels::history_control::group_size,
-                                            .remembers = remembers_,
-                                            .partial_count = static_cast<std::uint32_t>(s.solve_partial.count()),
-                                            .forget = anew,
-                                            .first_length = first_length_,
-                                            .solve_partial = s.solve_partial,
-                                            .history_partial = s.history_partial,
-                                            .gram = s.gram,
-                                            .solver = s.solver});
+  device.run(
+      kernels::history_control::Args{.threads = kernels::history_control::group_size,
+                                     .remembers = remembers_,
+                                     .partial_count = static_cast<std::uint32_t>(s.solve_partial.count()),
+                                     .forget = anew,
+                                     .first_length = first_length_,
+                                     .solve_partial = s.solve_partial,
+                                     .history_partial = s.history_partial,
+                                     .gram = s.gram,
+                                     .solver = s.solver});
   device.run(kernels::history_direction::Args{.threads = n,
                                               .remembers = remembers_,
                                               .stride = n,

@@ -1,5 +1,5 @@
-// Methods with a constant matrix: its inverse applied to the residual, alone (direct: the local-global step of
-// projective dynamics, P = A) or corrected by the last five steps (L-BFGS; Liu, Bouaziz and Kavan 2017).
+// Methods with a constant matrix: its inverse applied to the residual, alone (direct: the local-global step
+// of projective dynamics, P = A) or corrected by the last five steps (L-BFGS; Liu, Bouaziz and Kavan 2017).
 #pragma once
 
 #include "engine/solver/global_step.h"

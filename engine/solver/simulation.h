@@ -100,7 +100,6 @@ public:
 private:
   friend class FrameOutput;
 
-
   void allocate();
   void upload(const SlicedBonds& bonds);
   void upload_shapes();

@@ -18,8 +18,7 @@ struct SimulationState {
   // Solver.
   Buffer solver, residual_partial;
   // Methods with a line search.
-  Buffer residual, solve_partial, direction, descent, preconditioned, tangent, history,
-      history_partial, gram;
+  Buffer residual, solve_partial, direction, descent, preconditioned, tangent, history, history_partial, gram;
   // Held particles.
   Buffer motion, held, held_start;
   // Bodies and components.

@@ -120,8 +120,8 @@ std::vector<Vector3> Simulation::iterate_positions() {
   std::vector<Vector3> world(y.size());
   for (std::size_t i = 0; i < y.size(); ++i) {
     const Real4<double>& body = o[model_.body[i]];
-    world[i] = scene_origin_ + Vector3(body.x + y[i].x + u[i].x, body.y + y[i].y + u[i].y,
-                                       body.z + y[i].z + u[i].z);
+    world[i] =
+        scene_origin_ + Vector3(body.x + y[i].x + u[i].x, body.y + y[i].y + u[i].y, body.z + y[i].z + u[i].z);
   }
   return world;
 }

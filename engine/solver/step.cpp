@@ -16,7 +16,7 @@ namespace pliant {
 
 namespace {
 
-constexpr unsigned run_ahead = 2; ///< checks that a device may lag behind the host
+constexpr unsigned run_ahead = 2;     ///< checks that a device may lag behind the host
 constexpr unsigned rebase_every = 32; ///< steps
 /// Iterations at which contacts are searched anew; the set is frozen after the last, or nothing would
 /// converge.

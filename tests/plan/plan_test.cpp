@@ -92,8 +92,8 @@ Truth expect_truth(const DeviceChoice& choice, const PlanScene& made, const std:
 TEST_P(PlanTruth, ElasticOnly) {
   for (const char* law : {"corotated", "ordinary", "projective"}) {
     const Truth truth = expect_truth(GetParam(), elastic_only(law), law);
-    EXPECT_EQ(truth.plan.used,
-              (std::vector<std::string>{"motion", "solver", "bonds", std::string(law) + " elasticity"}));
+    EXPECT_EQ(truth.plan.used, (std::vector<std::string>{"motion", "solver", "stationary iteration", "bonds",
+                                                         std::string(law) + " elasticity"}));
     for (const BufferSpec& buffer : truth.plan.buffers) {
       const auto& used = truth.plan.used;
       EXPECT_NE(std::find(used.begin(), used.end(), buffer.component), used.end()) << buffer.name;
@@ -136,13 +136,47 @@ TEST_P(PlanTruth, EachComponentAddsOnlyItsOwn) {
   }
 }
 
+// What one method needs, no other allocates, compiles or runs.
+TEST_P(PlanTruth, EachMethodOnlyItsOwn) {
+  for (const auto& [name, preconditioner] : {std::pair{"jacobi", ""},
+                                             {"position", ""},
+                                             {"direct", ""},
+                                             {"lbfgs", "diagonal"},
+                                             {"lbfgs", "multilevel"},
+                                             {"newton", "diagonal"},
+                                             {"newton", "multilevel"}}) {
+    const std::string method = name;
+    if (method == "direct" && GetParam().gl()) continue;
+    for (const char* law : {"corotated", "ordinary"}) {
+      PlanScene made = elastic_only(law);
+      made.scene.solver.method = method;
+      made.scene.solver.preconditioner = *preconditioner ? preconditioner : "auto";
+      made.scene.solver.iterations = 12; // past a second search for contacts
+      made.scene.solver.fixed_iterations = true;
+      made.scene.boundaries = {floor_below()};
+      made.scene.contact.self = true;
+      const Truth truth = expect_truth(GetParam(), made, method + " " + preconditioner + " " + law);
+      const Names used(truth.plan.used.begin(), truth.plan.used.end());
+      const bool line_search = method != "jacobi" && method != "position";
+      EXPECT_EQ(used.count("stationary iteration"), line_search ? 0u : 1u);
+      EXPECT_EQ(used.count("newton"), method == "newton" ? 1u : 0u);
+      EXPECT_EQ(used.count("l-bfgs"), method == "lbfgs" ? 1u : 0u);
+      EXPECT_EQ(used.count("multilevel preconditioner"),
+                std::string(preconditioner) == "multilevel" ? 1u : 0u);
+    }
+  }
+}
+
 TEST_P(PlanTruth, EverythingTogether) {
   PlanScene made = elastic_only("projective");
   made.scene.materials[0].inversion = "swap";
   for (const Switch& one : switches()) one.on(made);
   made.request.fields = {"strain", "energy"};
   const Truth truth = expect_truth(GetParam(), made, "everything");
-  EXPECT_EQ(truth.plan.left_out, (std::vector<std::string>{"corotated elasticity", "ordinary elasticity"}));
+  EXPECT_EQ(truth.plan.left_out,
+            (std::vector<std::string>{"line search", "diagonal preconditioner", "multilevel preconditioner",
+                                      "direct", "newton", "quasi-newton", "l-bfgs", "corotated elasticity",
+                                      "ordinary elasticity"}));
 }
 
 TEST(Plan, BytesOfALargeBall) {
@@ -173,9 +207,9 @@ TEST(Plan, Text) {
   made.scene.boundaries = {floor_below()};
   const Plan plan = make_plan(made.scene, made.model, slice_bonds(made.model), made.request);
   const std::string text = plan_text(plan, Precision::single_precision);
-  for (const char* part :
-       {"80 particles", "boundary_contact[meshes=0,potential=0,tangent=0]", "chebyshev_step[checked=1,position=0]",
-        "left out: bdf2, held particles", "bytes a particle", "bytes a bond", "position", "single precision"})
+  for (const char* part : {"80 particles", "boundary_contact[meshes=0,potential=0,tangent=0]",
+                           "chebyshev_step[checked=1,position=0]", "left out: bdf2, held particles",
+                           "bytes a particle", "bytes a bond", "position", "single precision"})
     EXPECT_NE(text.find(part), std::string::npos) << part << " is not in\n" << text;
   EXPECT_EQ(text.find("prescribe"), std::string::npos);
 }

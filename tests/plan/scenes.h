@@ -32,6 +32,7 @@ inline PlanScene elastic_only(const std::string& law = "corotated",
   material.poisson = law == "projective" ? 0.25 : 0.3;
   made.scene.simulation.spacing = 0.02;
   made.scene.simulation.gravity = {0, -9.81, 0};
+  made.scene.solver.method = "chebyshev";
   made.scene.solver.iterations = 4;
   made.scene.solver.restore_momentum = false;
   made.scene.materials = {material};

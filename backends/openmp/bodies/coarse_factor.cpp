@@ -18,7 +18,8 @@ template <class real> void coarse_factor(const kernels::coarse_factor::View<real
         if (other == n && slot != 13) continue;
         const real* block = k.matrix + (std::size_t{n / 16} * 27 + slot) * 144 + n % 16;
         for (uint r = 0; r < 3; ++r)
-          for (uint c = 0; c < 3; ++c) a[3 * (n - first) + r][3 * (other - first) + c] = block[16 * (3 * r + c)];
+          for (uint c = 0; c < 3; ++c)
+            a[3 * (n - first) + r][3 * (other - first) + c] = block[16 * (3 * r + c)];
       }
     for (uint r = 0; r < 24; ++r) a[r][r] *= 1 + real(1e-5);
     real* const factor = k.factor + std::size_t{576} * body;

@@ -18,9 +18,12 @@ template <class real> PLIANT_INLINE Mat3<real> cell_turn(const Real4<real>& q) {
 template <class real> PLIANT_INLINE void invert(const real* k, real* inverse) {
   const real c0 = k[4] * k[8] - k[5] * k[7], c1 = k[5] * k[6] - k[3] * k[8], c2 = k[3] * k[7] - k[4] * k[6];
   const real det = k[0] * c0 + k[1] * c1 + k[2] * c2, f = det > 0 ? 1 / det : 0;
-  inverse[0] = f * c0, inverse[1] = f * (k[2] * k[7] - k[1] * k[8]), inverse[2] = f * (k[1] * k[5] - k[2] * k[4]);
-  inverse[3] = f * c1, inverse[4] = f * (k[0] * k[8] - k[2] * k[6]), inverse[5] = f * (k[2] * k[3] - k[0] * k[5]);
-  inverse[6] = f * c2, inverse[7] = f * (k[1] * k[6] - k[0] * k[7]), inverse[8] = f * (k[0] * k[4] - k[1] * k[3]);
+  inverse[0] = f * c0, inverse[1] = f * (k[2] * k[7] - k[1] * k[8]),
+  inverse[2] = f * (k[1] * k[5] - k[2] * k[4]);
+  inverse[3] = f * c1, inverse[4] = f * (k[0] * k[8] - k[2] * k[6]),
+  inverse[5] = f * (k[2] * k[3] - k[0] * k[5]);
+  inverse[6] = f * c2, inverse[7] = f * (k[1] * k[6] - k[0] * k[7]),
+  inverse[8] = f * (k[0] * k[4] - k[1] * k[3]);
 }
 
 } // namespace
@@ -38,7 +41,8 @@ template <class real> void coarse_matrix(const kernels::coarse_matrix::View<real
       Mat3<real> r{};
       if (k.rotated) r = cell_turn(k.cell_rotation[at]);
       for (uint b = 0; b < 8; ++b, table += 12) {
-        real* const block = blocks[(c & 1) + (b & 1) + 3 * ((c >> 1 & 1) + (b >> 1 & 1)) + 9 * ((c >> 2) + (b >> 2))];
+        real* const block =
+            blocks[(c & 1) + (b & 1) + 3 * ((c >> 1 & 1) + (b >> 1 & 1)) + 9 * ((c >> 2) + (b >> 2))];
         const real trace = table[0] + table[4] + table[8], ratio = table[10];
         real diagonal = trace + k.per_step2 * table[9];
         if (k.rotated) {
@@ -67,7 +71,8 @@ template <class real> void coarse_matrix(const kernels::coarse_matrix::View<real
     real* const matrix = k.matrix + std::size_t{slice} * 27 * 144 + lane;
     for (std::size_t b = 0; b < 27; ++b)
       for (std::size_t i = 0; i < 9; ++i) matrix[(9 * b + i) * 16] = blocks[b][i];
-    for (std::size_t i = 0; i < 9; ++i) k.inverse_block[(std::size_t{slice} * 9 + i) * 16 + lane] = inverse[i];
+    for (std::size_t i = 0; i < 9; ++i)
+      k.inverse_block[(std::size_t{slice} * 9 + i) * 16 + lane] = inverse[i];
   }
 }
 

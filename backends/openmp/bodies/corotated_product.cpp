@@ -30,7 +30,8 @@ template <class real> void corotated_product(const kernels::corotated_product::V
       const Wide<real> t = -b.w * scale * (m.x.x + m.y.y + m.z.z);
       // dA = R (t 1 + [w]x), row by row.
       const auto row = [&](const Wide3<real>& v, Wide<real> p) {
-        return Wide4<real>{t * v.x + z * v.y - y * v.z, t * v.y + x * v.z - z * v.x, t * v.z + y * v.x - x * v.y, p};
+        return Wide4<real>{t * v.x + z * v.y - y * v.z, t * v.y + x * v.z - z * v.x,
+                           t * v.z + y * v.x - x * v.y, p};
       };
       Real4<real>* const record = k.record + 3 * std::size_t{i};
       store<3>(record, part.count, row(r.x, pi.x));

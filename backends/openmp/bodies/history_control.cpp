@@ -24,7 +24,8 @@ template <class real> void history_control(const kernels::history_control::View<
   solver[SOLVER_LENGTH] = 1;
   if (k.remembers) {
     for (uint p = 0; p < k.partial_count; ++p)
-      for (uint d = 0; d < HISTORY_DOTS; ++d) total[d] += k.history_partial[std::size_t{HISTORY_DOTS} * p + d];
+      for (uint d = 0; d < HISTORY_DOTS; ++d)
+        total[d] += k.history_partial[std::size_t{HISTORY_DOTS} * p + d];
     const uint newest = (static_cast<uint>(solver[SOLVER_NEWEST]) + 1) % memory;
     uint count = static_cast<uint>(solver[SOLVER_HISTORY]);
     for (uint i = 0; i < memory; ++i) {

@@ -21,7 +21,8 @@ template <class real> void history_dots(const kernels::history_dots::View<real>&
       store_quad(new_image[i], load_quad(last[i]) - z);
       store_quad(last[i], z);
     }
-    const Real4<real>*const step_new = row(HISTORY_STEP + newest), *const change_new = row(HISTORY_CHANGE + newest);
+    const Real4<real>*const step_new = row(HISTORY_STEP + newest), *const change_new =
+                                                                       row(HISTORY_CHANGE + newest);
     for (uint slot = 0; slot < MEMORY; ++slot) {
       const Real4<real>*const s = row(HISTORY_STEP + slot), *const y = row(HISTORY_CHANGE + slot);
       const Real4<real>* const z = row(HISTORY_IMAGE + slot);

@@ -29,8 +29,9 @@ template <class real> void residual(const kernels::residual::View<real>& k) {
       work += r * (u - best);
       store_quad(k.residual[i], Quad<real>{r[0], r[1], r[2], 1 / (inertia + k.relief * f[3])});
     }
-    k.solve_partial[block] = {error[0] + error[1] + error[2], inertial[0] + inertial[1] + inertial[2] + stored,
-                              work[0] + work[1] + work[2], 0};
+    k.solve_partial[block] = {error[0] + error[1] + error[2],
+                              inertial[0] + inertial[1] + inertial[2] + stored, work[0] + work[1] + work[2],
+                              0};
   }
 }
 
