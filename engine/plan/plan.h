@@ -14,6 +14,7 @@ namespace pliant {
 /// What the caller wants besides the motion itself.
 struct PlanRequest {
   bool statistics = true;          ///< a row of energies, momentum and residuals each step
+  bool divergence = false;         ///< the last good state kept, and a row each step that tells a bad one
   bool frames = false;             ///< world positions, for files and pictures
   std::vector<std::string> fields; ///< "velocity", "displacement", "strain", "energy": only with frames
   bool surfaces = true;            ///< carried meshes, where there are any: only with frames
@@ -22,7 +23,8 @@ struct PlanRequest {
 struct Plan {
   // Components.
   bool corotated = false, ordinary = false, projective = false;
-  bool bdf2 = false, held = false, loaded = false, momentum = false, statistics = false, energy = false;
+  bool bdf2 = false, held = false, loaded = false, momentum = false, statistics = false, energy = false,
+       divergence = false;
   bool boundaries = false, pairs = false;
   bool frames = false, surfaces = false, strain = false;
 

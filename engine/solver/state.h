@@ -4,6 +4,8 @@
 #include "engine/device/device.h"
 #include "engine/solver/simulation.h"
 
+#include <map>
+
 namespace pliant {
 
 struct Simulation::State {
@@ -23,6 +25,9 @@ struct Simulation::State {
   Buffer origin, origin_shift, anchor, chunk, component, moment, rigid;
   // Statistics.
   Buffer chunk_sum, statistics;
+
+  // Divergence: what saved_state.h names, at the last state known to be good.
+  std::map<std::string, Buffer> kept;
 
   /// The member that a name of the plan stands for.
   Buffer* find(const std::string& name);
