@@ -36,8 +36,7 @@ poisson = 0.3
 name = "low"
 material = "rubber"
 shape = { box = [0.25, 0.15, 0.15], at = [0, 0.1, 0] }
-[[body.condition]]
-kind = "moved"
+[[body.moved]]
 region = { box = [0.06, 1, 1], at = [-0.1, 0.1, 0] }
 velocity = [0.2, 0, 0]
 end = 0.7
