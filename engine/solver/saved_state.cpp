@@ -51,7 +51,7 @@ void Simulation::load(const SavedState& saved) {
   for (const SavedBuffer& copy : saved.buffers) device_.write(*state_->find(copy.name), 0, copy.bytes);
   step_ = saved.step;
   first_of_bdf2_ = saved.first_of_bdf2;
-  held_count_ = ~0u; // whoever is held at the new time is sent again
+  if (plan_.held) held_count_ = ~0u; // whoever is held at the new time is sent again
   pending_.clear();
 }
 
@@ -68,7 +68,7 @@ void Simulation::rewind() {
   for (const auto& [name, copy] : state_->kept) device_.copy(copy, *state_->find(name));
   step_ = kept_step_;
   first_of_bdf2_ = kept_first_of_bdf2_;
-  held_count_ = ~0u;
+  if (plan_.held) held_count_ = ~0u;
   pending_.clear();
 }
 
