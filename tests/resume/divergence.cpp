@@ -50,8 +50,9 @@ struct Stage {
   Model model;
   std::unique_ptr<Device> device;
   explicit Stage(const DeviceChoice& choice, const std::string& integrator = "implicit-euler")
-      : scene(read_scene(folder.write("small.toml", small_scene),
-                         std::vector<std::string>{"solver.integrator=" + integrator})),
+      : scene(
+            read_scene(folder.write("small.toml", small_scene),
+                       std::vector<std::string>{"solver.integrator=" + integrator, "solver.iterations=24"})),
         model(assemble(scene)), device(choice.open()) {}
   Simulation simulation(bool statistics) {
     PlanRequest request;
