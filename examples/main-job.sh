@@ -66,7 +66,13 @@ code=0
 "$pliant_build/pliant" run "$pliant_root/examples/main-job.toml" --out "$out" ${extra[@]+"${extra[@]}"} || code=$?
 if ((code != 0)); then
   printf 'error: pliant run ended with code %d; its message is above\n' "$code" >&2
-  if [[ -d "$out" ]]; then printf '       what it had written is in %s\n' "$out" >&2; fi
+  if [[ -d "$out" ]]; then
+    printf '       what it had written is in %s\n' "$out" >&2
+    if [[ -n "$(ls -A "$out/checkpoints" 2>/dev/null)" ]]; then
+      printf '       to go on from its last checkpoint: %s run %s --out %s --resume%s\n' "$pliant_build/pliant" \
+        "$pliant_root/examples/main-job.toml" "$out" "${extra[*]+ ${extra[*]}}" >&2
+    fi
+  fi
   exit "$code"
 fi
 

@@ -22,6 +22,7 @@ ExitCode plan(Options& options) {
   const Model model = assemble(scene);
   PlanRequest request;
   request.frames = true;
+  request.divergence = true;
   request.fields = scene.output.fields;
   const Plan plan = make_plan(scene, model, slice_bonds(model), request);
   const DeviceRequest device = options.device.request();

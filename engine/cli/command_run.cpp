@@ -43,7 +43,7 @@ void add_run(CLI::App& program, Action& action) {
   add_scene(*command, options->scene);
   command
       ->add_option("--out", options->out,
-                   "folder to write, new or empty; out/<name of the scene> unless given")
+                   "folder to write, new or empty unless with --resume; out/<name of the scene> unless given")
       ->type_name("FOLDER");
   add_backend(*command, options->device);
   add_threads(*command, options->device);
@@ -55,6 +55,8 @@ void add_run(CLI::App& program, Action& action) {
   CLI::Option* frames = command->add_option("--frames", options->frames, "end after N frames past frame 0")
                             ->type_name("N")
                             ->check(CLI::Range(1u, 100'000'000u).description(""));
+  command->add_flag("--resume", options->run.resume,
+                    "go on from the last checkpoint in the folder, bit for bit; start anew if it has none");
   command->add_flag("--video", options->run.video, "make film.mp4 too (needs ffmpeg)");
   command->add_flag("--no-render", options->no_render, "no pictures; needs no GL device then");
   command
@@ -68,7 +70,8 @@ void add_run(CLI::App& program, Action& action) {
   command->footer(R"(Examples:
   pliant run drop.toml
   pliant run examples/beam.toml --out out/stiff --set materials.rubber.young=1e7 --frames 30
-  pliant run examples/armadillo.toml --backend gl:0 --video)");
+  pliant run examples/armadillo.toml --backend gl:0 --video
+  pliant run drop.toml --resume)");
   command->callback([&action, options, frames] {
     action = [options, frames] { return run(*options, frames->count() > 0); };
   });

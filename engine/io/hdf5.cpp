@@ -276,6 +276,24 @@ void Dataset::read_raw(Type type, std::uint64_t first, std::uint64_t count, void
         place_);
 }
 
+std::vector<std::array<std::uint64_t, 2>> Dataset::chunks(std::uint64_t first, std::uint64_t count) const {
+  std::vector<std::array<std::uint64_t, 2>> found;
+  const Handle list = own(H5Dget_create_plist(id()), close_list, "read", place_);
+  std::array<hsize_t, 2> chunk = {1, 1};
+  if (count == 0 || H5Pget_layout(list.get()) != H5D_CHUNKED ||
+      H5Pget_chunk(list.get(), flat_ ? 1 : 2, chunk.data()) < 0)
+    return found;
+  for (hsize_t row = first / chunk[0] * chunk[0]; row < first + count; row += chunk[0]) {
+    const std::array<hsize_t, 2> corner = {row, 0};
+    unsigned filters = 0;
+    haddr_t address = HADDR_UNDEF;
+    hsize_t bytes = 0;
+    check(H5Dget_chunk_info_by_coord(id(), corner.data(), &filters, &address, &bytes), "locate", place_);
+    if (address != HADDR_UNDEF) found.push_back({address, bytes});
+  }
+  return found;
+}
+
 // ---- groups
 
 Group Group::create_group(const std::string& name, bool keep_order) {

@@ -4,6 +4,7 @@
 // thread-safe.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -119,6 +120,8 @@ public:
     return values;
   }
   template <class T> std::vector<T> read() const { return read<T>(0, rows_); }
+  /// Where the chunks that hold these rows lie in the file: offset and size, bytes. Only what was flushed.
+  std::vector<std::array<std::uint64_t, 2>> chunks(std::uint64_t first, std::uint64_t count) const;
 
 private:
   friend class Group;

@@ -99,6 +99,7 @@ void check_frame(const std::vector<BodyOutput>& bodies, const std::vector<BodyFr
 } // namespace
 
 struct RunWriter::Impl {
+  std::filesystem::path path;
   std::vector<BodyOutput> bodies;
   double fps;
   h5::File file;
@@ -108,12 +109,13 @@ struct RunWriter::Impl {
   XdmfWriter xdmf;
   std::uint64_t frames = 0;
   std::uint64_t next_frame = 0;
-  bool broken = false; ///< a frame was left half written: nothing more is added
+  std::vector<std::array<std::uint64_t, 2>> bulk; ///< chunks of the frames so far: what a mark leaves out
+  bool broken = false;                            ///< a frame was left half written: nothing more is added
 
   Impl(const std::filesystem::path& folder, std::vector<BodyOutput> outputs, double frames_per_second)
-      : bodies(std::move(outputs)), fps(frames_per_second), file(h5::File::create(folder / data_file)),
-        root(file.root()), ids(root.create_dataset("ids", h5::Type::int32, 1, 4096)),
-        xdmf(folder / "run.xmf", data_file) {
+      : path(folder / data_file), bodies(std::move(outputs)), fps(frames_per_second),
+        file(h5::File::create(path)), root(file.root()),
+        ids(root.create_dataset("ids", h5::Type::int32, 1, 4096)), xdmf(folder / "run.xmf", data_file) {
     std::uint64_t room = 1 << 16;
     for (const BodyOutput& body : bodies) room += 1 << 17, room += 8 * (4 * body.triangles.size() + 1);
     file.reserve(room);
@@ -137,6 +139,29 @@ struct RunWriter::Impl {
     xdmf.write(true);
   }
 
+  // Goes on after a mark that has been restored.
+  Impl(const std::filesystem::path& folder, std::vector<BodyOutput> outputs, double frames_per_second,
+       const RunMark& mark)
+      : path(folder / data_file), bodies(std::move(outputs)), fps(frames_per_second),
+        file(h5::File::open(path, true)), root(file.root()), ids(root.dataset("ids")),
+        xdmf(folder / "run.xmf", data_file), frames(mark.frames), next_frame(mark.next_frame) {
+    const h5::Group top = root.group("VTKHDF");
+    for (const BodyOutput& body : bodies) {
+      blocks.emplace_back(bodies.size() == 1 ? root.group("VTKHDF") : top.group(body.name), body);
+      for (const auto& chunk : blocks.back().chunks(true)) bulk.push_back(chunk);
+    }
+    if (frames > 0)
+      for (const std::string& name : root.group("frames").names()) {
+        std::vector<std::uint64_t> points;
+        for (const BodyOutput& body : bodies) {
+          const std::string view = "/frames/" + name + "/" + body.name + "/position";
+          points.push_back(root.has(view) ? root.dataset(view).rows() : 0);
+        }
+        append_xdmf("/frames/" + name, std::stod(name) / fps, points);
+      }
+    xdmf.write(true);
+  }
+
   void append_ids(std::uint64_t count) {
     if (count <= ids.rows()) return;
     std::vector<std::int32_t> more(count - ids.rows());
@@ -157,25 +182,41 @@ struct RunWriter::Impl {
     }
     for (VtkHdfBlock& block : blocks) block.append_step(time);
     file.flush();
+    for (const VtkHdfBlock& block : blocks)
+      for (const auto& chunk : block.chunks(false)) bulk.push_back(chunk);
   }
 
-  void append_xdmf(const std::string& folder, double time) {
+  void append_xdmf(const std::string& folder, double time, const std::vector<std::uint64_t>& points) {
     xdmf.begin_frame(time);
     for (std::size_t b = 0; b < blocks.size(); ++b)
-      if (blocks[b].count() > 0)
-        xdmf.add_body(bodies[b], folder + "/" + bodies[b].name, blocks[b].count(),
+      if (points[b] > 0)
+        xdmf.add_body(bodies[b], folder + "/" + bodies[b].name, points[b],
                       blocks[b].group().place().object + "/Polygons/Connectivity");
     xdmf.end_frame();
-    xdmf.write(false);
   }
 };
 
-RunWriter::RunWriter(const std::filesystem::path& folder, std::vector<BodyOutput> bodies, double fps) {
+namespace {
+
+void check_outputs(const std::vector<BodyOutput>& bodies, double fps) {
   if (bodies.empty()) throw Error(ExitCode::internal, "a run's file needs at least one body");
   if (!(fps > 0) || !std::isfinite(fps))
     throw Error(ExitCode::usage, fmt::format("fps must be above 0, not {}", fps));
   check_names(bodies);
+}
+
+} // namespace
+
+RunWriter::RunWriter(const std::filesystem::path& folder, std::vector<BodyOutput> bodies, double fps) {
+  check_outputs(bodies, fps);
   impl_ = std::make_unique<Impl>(folder, std::move(bodies), fps);
+}
+
+RunWriter::RunWriter(const std::filesystem::path& folder, std::vector<BodyOutput> bodies, double fps,
+                     const RunMark& mark) {
+  check_outputs(bodies, fps);
+  restore_mark(folder / data_file, mark);
+  impl_ = std::make_unique<Impl>(folder, std::move(bodies), fps, mark);
 }
 
 RunWriter::~RunWriter() = default;
@@ -200,7 +241,10 @@ void RunWriter::append(std::uint64_t frame, const std::vector<BodyFrame>& bodies
   const std::string folder = fmt::format("/frames/{:06}", frame);
   run.broken = true;
   run.append_hdf5(folder, time, bodies);
-  run.append_xdmf(folder, time);
+  std::vector<std::uint64_t> points;
+  for (const VtkHdfBlock& block : run.blocks) points.push_back(block.count());
+  run.append_xdmf(folder, time, points);
+  run.xdmf.write(false);
   run.broken = false;
   ++run.frames;
   run.next_frame = frame + 1;
@@ -208,6 +252,13 @@ void RunWriter::append(std::uint64_t frame, const std::vector<BodyFrame>& bodies
 
 std::uint64_t RunWriter::frames() const {
   return impl_->frames;
+}
+
+RunMark RunWriter::mark() const {
+  RunMark mark = take_mark(impl_->path, impl_->bulk);
+  mark.frames = impl_->frames;
+  mark.next_frame = impl_->next_frame;
+  return mark;
 }
 
 void RunWriter::close() {

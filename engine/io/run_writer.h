@@ -12,6 +12,8 @@
 // moves when it is rewritten.
 #pragma once
 
+#include "engine/io/run_mark.h"
+
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -51,6 +53,10 @@ public:
   /// Throws Error(usage) for names and sizes that the files cannot hold, Error(input_output) where writing
   /// fails.
   RunWriter(const std::filesystem::path& folder, std::vector<BodyOutput> bodies, double fps);
+  /// Brings the files in the folder back to a mark and goes on from there.
+  /// Throws Error(input_output) where run.vtkhdf is missing or shorter than the mark says.
+  RunWriter(const std::filesystem::path& folder, std::vector<BodyOutput> bodies, double fps,
+            const RunMark& mark);
   ~RunWriter();
   RunWriter(RunWriter&&) noexcept;
 
@@ -59,6 +65,8 @@ public:
   /// Error(input_output) for a full disk, both before anything of the frame is written.
   void append(std::uint64_t frame, const std::vector<BodyFrame>& bodies);
   std::uint64_t frames() const;
+  /// The present moment, after all frames so far have reached the disk.
+  RunMark mark() const;
   /// Closes the files and reports what then still goes wrong; the destructor closes in silence.
   void close();
 

@@ -2,38 +2,81 @@
 #include "engine/io/statistics_writer.h"
 
 #include "engine/core/error.h"
+#include "engine/io/folder.h"
 
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
+#include <sstream>
 #include <unistd.h>
 
 namespace pliant {
 
-StatisticsWriter::StatisticsWriter(const std::filesystem::path& path,
-                                   const std::vector<std::string>& components)
-    : path_(path), components_(components.size()) {
+namespace {
+
+constexpr std::size_t plain_columns = 11;
+
+std::string header_of(const std::filesystem::path& path, const std::vector<std::string>& components) {
   std::string header =
-      "step,time,iterations,residual,kinetic_energy,elastic_energy,momentum_x,momentum_y,momentum_z,"
-      "ms_total";
+      "step,time,iterations,residual,stopped,kinetic_energy,elastic_energy,momentum_x,momentum_y,"
+      "momentum_z,ms_total";
   for (const std::string& component : components) {
     if (component.empty() || component.find_first_of(",\"\r\n") != std::string::npos)
       throw Error(ExitCode::internal,
                   fmt::format("\"{}\" cannot name a column of {}", component, path.string()));
     header += ",ms_" + component;
   }
-  file_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  return header + "\n";
+}
+
+} // namespace
+
+void StatisticsWriter::open(int flags) {
+  file_ = ::open(path_.c_str(), flags | O_CLOEXEC, 0666);
   if (file_ < 0)
     throw Error(ExitCode::input_output,
-                fmt::format("cannot write {}: {}", path.string(), std::strerror(errno)));
+                fmt::format("cannot write {}: {}", path_.string(), std::strerror(errno)));
+}
+
+StatisticsWriter::StatisticsWriter(const std::filesystem::path& path,
+                                   const std::vector<std::string>& components)
+    : path_(path), components_(components.size()) {
+  const std::string header = header_of(path, components);
+  open(O_WRONLY | O_CREAT | O_TRUNC);
   try {
-    write(header + "\n");
+    write(header);
   } catch (...) {
     ::close(file_);
     throw;
   }
+}
+
+StatisticsWriter::StatisticsWriter(const std::filesystem::path& path,
+                                   const std::vector<std::string>& components, std::uint64_t bytes)
+    : path_(path), components_(components.size()) {
+  const std::string header = header_of(path, components);
+  const std::string text = read_text_file(path);
+  if (text.size() < bytes || bytes < header.size() || text.compare(0, header.size(), header) != 0 ||
+      text[bytes - 1] != '\n')
+    throw Error(ExitCode::input_output,
+                fmt::format("{} is not the one that the checkpoint goes on with: it is shorter, or has other "
+                            "columns; start the run anew in another folder",
+                            path.string()));
+  open(O_WRONLY);
+  size_ = static_cast<std::int64_t>(bytes);
+  if (::ftruncate(file_, size_) == 0 && ::lseek(file_, size_, SEEK_SET) >= 0) return;
+  const std::string why = std::strerror(errno);
+  ::close(file_);
+  throw Error(ExitCode::input_output, fmt::format("cannot write {}: {}", path.string(), why));
+}
+
+void StatisticsWriter::sync() const {
+  if (::fsync(file_) != 0)
+    throw Error(ExitCode::input_output,
+                fmt::format("cannot write {}: {}", path_.string(), std::strerror(errno)));
 }
 
 StatisticsWriter::~StatisticsWriter() {
@@ -59,11 +102,50 @@ void StatisticsWriter::append(const StatisticsRow& row) {
   if (row.ms_components.size() != components_)
     throw Error(ExitCode::internal, fmt::format("a row of {} has {} components, its header {}",
                                                 path_.string(), row.ms_components.size(), components_));
-  std::string line = fmt::format("{},{},{},{},{},{},{},{},{},{}", row.step, row.time, row.iterations,
-                                 row.residual, row.kinetic_energy, row.elastic_energy, row.momentum[0],
-                                 row.momentum[1], row.momentum[2], row.ms_total);
+  std::string line = fmt::format("{},{},{},{},{},{},{},{},{},{},{}", row.step, row.time, row.iterations,
+                                 row.residual, row.stopped, row.kinetic_energy, row.elastic_energy,
+                                 row.momentum[0], row.momentum[1], row.momentum[2], row.ms_total);
   for (const double ms : row.ms_components) line += fmt::format(",{}", ms);
   write(line + "\n");
+}
+
+std::vector<StatisticsRow> read_statistics(const std::filesystem::path& path) {
+  std::istringstream text(read_text_file(path));
+  std::vector<StatisticsRow> rows;
+  std::string line;
+  std::getline(text, line);
+  while (std::getline(text, line) && !text.eof()) {
+    std::vector<std::string> cells(1);
+    for (const char c : line)
+      if (c == ',')
+        cells.emplace_back();
+      else
+        cells.back() += c;
+    const auto damaged = [&] {
+      return Error(ExitCode::input_output,
+                   fmt::format("{}, line {} is no row of statistics", path.string(), rows.size() + 2));
+    };
+    if (cells.size() < plain_columns) throw damaged();
+    const auto number = [&](std::size_t cell) {
+      char* end = nullptr;
+      const double value = std::strtod(cells[cell].c_str(), &end);
+      if (cells[cell].empty() || *end != '\0') throw damaged();
+      return value;
+    };
+    StatisticsRow row{static_cast<std::uint64_t>(number(0)),
+                      number(1),
+                      static_cast<std::uint64_t>(number(2)),
+                      number(3),
+                      cells[4],
+                      number(5),
+                      number(6),
+                      {number(7), number(8), number(9)},
+                      number(10),
+                      {}};
+    for (std::size_t c = plain_columns; c < cells.size(); ++c) row.ms_components.push_back(number(c));
+    rows.push_back(std::move(row));
+  }
+  return rows;
 }
 
 } // namespace pliant

@@ -14,6 +14,7 @@ struct StatisticsRow {
   double time = 0; ///< s, at the end of the step
   std::uint64_t iterations = 0;
   double residual = 0;                        ///< relative
+  std::string stopped;                        ///< tolerance, floor or cap: what ended the iterations
   double kinetic_energy = 0;                  ///< J
   double elastic_energy = 0;                  ///< J
   std::array<double, 3> momentum = {0, 0, 0}; ///< kg m/s
@@ -23,10 +24,14 @@ struct StatisticsRow {
 
 class StatisticsWriter {
 public:
-  /// Writes the header: step, time, iterations, residual, kinetic_energy, elastic_energy, momentum_x,
-  /// momentum_y, momentum_z, ms_total, then ms_<component>. Replaces what is there. Throws
+  /// Writes the header: step, time, iterations, residual, stopped, kinetic_energy, elastic_energy,
+  /// momentum_x, momentum_y, momentum_z, ms_total, then ms_<component>. Replaces what is there. Throws
   /// Error(input_output).
   StatisticsWriter(const std::filesystem::path& path, const std::vector<std::string>& components);
+  /// Goes on with a file whose first `bytes` are kept; what lies beyond is dropped.
+  /// Throws Error(input_output) where it is missing, shorter, or has other columns.
+  StatisticsWriter(const std::filesystem::path& path, const std::vector<std::string>& components,
+                   std::uint64_t bytes);
   ~StatisticsWriter();
   StatisticsWriter(const StatisticsWriter&) = delete;
   StatisticsWriter& operator=(const StatisticsWriter&) = delete;
@@ -34,13 +39,20 @@ public:
   /// Writes a row, with the shortest digits that read back as the same doubles. A row that does not fit on
   /// the disk is taken back whole. Throws Error(input_output).
   void append(const StatisticsRow& row);
+  std::uint64_t bytes() const { return static_cast<std::uint64_t>(size_); } ///< so far
+  /// Waits until all rows so far are on the disk.
+  void sync() const;
 
 private:
+  void open(int flags);
   void write(const std::string& line);
   std::filesystem::path path_;
   std::size_t components_;
   int file_ = -1;
   std::int64_t size_ = 0;
 };
+
+/// The rows of such a file; its last, half line is left out. Throws Error(input_output).
+std::vector<StatisticsRow> read_statistics(const std::filesystem::path& path);
 
 } // namespace pliant

@@ -79,6 +79,40 @@ VtkHdfBlock::VtkHdfBlock(h5::Group group, const BodyOutput& body, std::int64_t m
   }
 }
 
+VtkHdfBlock::Cells VtkHdfBlock::open_cells(const std::string& name) const {
+  const h5::Group found = group_.group(name);
+  return {found.dataset("NumberOfCells"), found.dataset("NumberOfConnectivityIds"),
+          found.dataset("Connectivity"), found.dataset("Offsets")};
+}
+
+VtkHdfBlock::VtkHdfBlock(h5::Group group, const BodyOutput& body)
+    : group_(std::move(group)), specs_(body.fields), cloud_(body.kind == BodyOutput::Kind::particles),
+      chunk_rows_(rows_of_chunk(body.points)), points_(group_.dataset("Points")),
+      point_counts_(group_.dataset("NumberOfPoints")), steps_(group_.group("Steps")),
+      values_(steps_.dataset("Values")), part_offsets_(steps_.dataset("PartOffsets")),
+      part_counts_(steps_.dataset("NumberOfParts")), point_offsets_(steps_.dataset("PointOffsets")),
+      cell_offsets_(steps_.dataset("CellOffsets")), id_offsets_(steps_.dataset("ConnectivityIdOffsets")),
+      steps_written_(values_.rows()) {
+  for (const FieldSpec& field : specs_) {
+    fields_.push_back(group_.dataset("PointData/" + field.name));
+    field_offsets_.push_back(steps_.dataset("PointDataOffsets/" + field.name));
+  }
+  for (const char* name : {"Vertices", "Lines", "Polygons", "Strips"}) cells_.push_back(open_cells(name));
+  if (cloud_)
+    for (const std::int64_t cells : cells_[0].counts.read<std::int64_t>()) cells_before_ += cells;
+}
+
+std::vector<std::array<std::uint64_t, 2>> VtkHdfBlock::chunks(bool all) const {
+  std::vector<std::array<std::uint64_t, 2>> found;
+  const auto add = [&](const h5::Dataset& data) {
+    for (const auto& chunk : data.chunks(all ? 0 : first_, all ? data.rows() : count_))
+      found.push_back(chunk);
+  };
+  add(points_);
+  for (const h5::Dataset& field : fields_) add(field);
+  return found;
+}
+
 void VtkHdfBlock::append_data(const BodyFrame& frame) {
   first_ = points_.rows();
   count_ = frame.positions.size() / 3;

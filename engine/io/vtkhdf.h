@@ -14,6 +14,8 @@ class VtkHdfBlock {
 public:
   /// Creates the datasets in an empty group. A surface's topology is written here, once.
   VtkHdfBlock(h5::Group group, const BodyOutput& body, std::int64_t minor_version);
+  /// Goes on where the datasets of a file end.
+  VtkHdfBlock(h5::Group group, const BodyOutput& body);
   /// Appends the points and fields; they do not count before append_step().
   void append_data(const BodyFrame& frame);
   /// Appends the row of steps for the data appended last, at `time` seconds.
@@ -22,6 +24,8 @@ public:
   void append_views(h5::Group& root, const std::string& folder) const;
 
   h5::Group& group() { return group_; }
+  /// Chunks in the file that hold the bulk of the rows appended last, or of all: offset and size, bytes.
+  std::vector<std::array<std::uint64_t, 2>> chunks(bool all) const;
   std::uint64_t first() const { return first_; } ///< row of the frame appended last
   std::uint64_t count() const { return count_; } ///< its points
   /// Upper bound on the growth of the file by a frame of so many points, bytes.
@@ -32,6 +36,7 @@ private:
     h5::Dataset counts, id_counts, connectivity, offsets;
   };
   Cells create_cells(const std::string& name);
+  Cells open_cells(const std::string& name) const;
   void append_topology();
 
   h5::Group group_;

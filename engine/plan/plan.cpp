@@ -4,6 +4,7 @@
 #include "engine/solver/contact.h"
 #include "engine/solver/frame.h"
 #include "engine/solver/multilevel.h"
+#include "engine/solver/saved_state.h"
 #include "engine/solver/state.h"
 #include "kernels/all.h"
 #include "shaders/common/solver.glsl"
@@ -176,7 +177,19 @@ public:
     buffer("chunk", Type::uint4, chunks.chunk.size());
     buffer("chunk_sum", Type::real4, 2 * chunks.chunk.size());
     buffer("statistics", Type::real, std::size_t{16} * statistics_rows);
-    kernels<kernels::statistics_chunk::Args, kernels::statistics_total::Args>();
+    kernel(kernels::statistics_chunk::Args{.energies = 1});
+    kernels<kernels::statistics_total::Args>();
+    begin("divergence", plan_.divergence);
+    buffer("chunk", Type::uint4, chunks.chunk.size());
+    buffer("chunk_sum", Type::real4, 2 * chunks.chunk.size());
+    buffer("statistics", Type::real, std::size_t{16} * statistics_rows);
+    kernel(kernels::statistics_chunk::Args{.energies = plan_.statistics});
+    kernels<kernels::statistics_total::Args>();
+    for (const std::string& name : persistent_buffers())
+      if (const BufferSpec* spec = plan_.find(name)) {
+        const BufferSpec like = *spec; // buffer() may move what it points to
+        buffer(kept_name(name), like.type, like.count);
+      }
   }
 
   void frames(const PlanRequest& request) {
@@ -269,6 +282,7 @@ Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds,
   plan.loaded = !model.loads.empty();
   plan.momentum = scene.solver.restore_momentum && model.count() > 0;
   plan.statistics = request.statistics;
+  plan.divergence = request.divergence;
   const bool drawn = scene.render.color == "energy" || std::find(request.fields.begin(), request.fields.end(),
                                                                  "energy") != request.fields.end();
   plan.method = choose_method(scene, model);

@@ -18,6 +18,7 @@ struct Hierarchy;
 /// What the caller wants besides the motion itself.
 struct PlanRequest {
   bool statistics = true;          ///< a row of energies, momentum and residuals each step
+  bool divergence = false;         ///< the last good state kept, and a row each step that tells a bad one
   bool frames = false;             ///< world positions, for files and pictures
   std::vector<std::string> fields; ///< "velocity", "displacement", "strain", "energy": only with frames
   bool surfaces = true;            ///< carried meshes, where there are any: only with frames
@@ -26,7 +27,8 @@ struct PlanRequest {
 struct Plan {
   // Components.
   bool corotated = false, ordinary = false, projective = false;
-  bool bdf2 = false, held = false, loaded = false, momentum = false, statistics = false, energy = false;
+  bool bdf2 = false, held = false, loaded = false, momentum = false, statistics = false, energy = false,
+       divergence = false;
   bool boundaries = false, pairs = false;
   Method method;
   std::shared_ptr<const Hierarchy> hierarchy; ///< null without the multilevel preconditioner

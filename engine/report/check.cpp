@@ -159,6 +159,7 @@ CheckReport check_scene(Scene scene, Device& device) {
   scene.solver.fixed_iterations = true;
   PlanRequest request;
   request.frames = true;
+  request.divergence = true;
   request.fields = scene.output.fields;
   Simulation simulation(device, scene, model, request);
   const Precision precision = device.info().precision;

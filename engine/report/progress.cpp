@@ -30,8 +30,9 @@ std::string clock_text(double seconds) {
   return fmt::format("{}:{:02}", total / 60, total % 60);
 }
 
-Progress::Progress(const std::string& style, unsigned frames, std::FILE* to)
-    : style_(Style::plain), frames_(frames), to_(to), start_(std::chrono::steady_clock::now()) {
+Progress::Progress(const std::string& style, unsigned frames, unsigned first, std::FILE* to)
+    : style_(Style::plain), frames_(frames), first_(first), to_(to),
+      start_(std::chrono::steady_clock::now()) {
   if (style == "none") style_ = Style::none;
   if (style == "json") style_ = Style::json;
   if (style == "bar" || (style == "auto" && isatty(fileno(to)))) style_ = Style::bar;
@@ -44,7 +45,7 @@ Progress::~Progress() {
 void Progress::frame(unsigned done, double time, double residual, unsigned iterations) {
   const auto now = std::chrono::steady_clock::now();
   const double elapsed = std::chrono::duration<double>(now - start_).count();
-  const double rate = elapsed > 0 ? done / elapsed : 0;
+  const double rate = elapsed > 0 ? (done - first_) / elapsed : 0;
   const double left = rate > 0 ? (frames_ - done) / rate : 0;
   const bool last = done == frames_;
   const double pause = std::chrono::duration<double>(now - last_).count();

@@ -10,7 +10,8 @@ namespace pliant {
 class Progress {
 public:
   /// `style`: auto, bar, plain, json or none.
-  Progress(const std::string& style, unsigned frames, std::FILE* to = stderr);
+  /// `first`: frames that were there before; they count as done, but not for the rate.
+  Progress(const std::string& style, unsigned frames, unsigned first = 0, std::FILE* to = stderr);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -25,7 +26,7 @@ private:
   void draw(const std::string& text);
 
   enum class Style { bar, plain, json, none } style_;
-  unsigned frames_;
+  unsigned frames_, first_;
   std::FILE* to_;
   std::chrono::steady_clock::time_point start_, last_;
   bool bar_shown_ = false;

@@ -1,17 +1,12 @@
 // The command `run`: the loop over frames, and the record of what came out.
 #include "engine/report/run.h"
 
-#include "engine/io/film.h"
 #include "engine/io/folder.h"
-#include "engine/io/png.h"
-#include "engine/io/run_writer.h"
-#include "engine/io/statistics_writer.h"
-#include "engine/render/renderer.h"
 #include "engine/report/progress.h"
+#include "engine/report/run_outputs.h"
 #include "engine/scene/scene_json.h"
 #include "engine/scene/scene_parse.h"
-#include "engine/solver/frame.h"
-#include "engine/solver/simulation.h"
+#include "engine/solver/guarded_run.h"
 
 #include <algorithm>
 #include <atomic>
@@ -20,6 +15,7 @@
 #include <csignal>
 #include <fmt/format.h>
 #include <iostream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
@@ -62,6 +58,19 @@ template <class T> T percentile(std::vector<T> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
+std::string stop_name(StopReason reason) {
+  switch (reason) {
+  case StopReason::tolerance:
+    return "tolerance";
+  case StopReason::floor:
+    return "floor";
+  case StopReason::none:
+  case StopReason::cap:
+    break;
+  }
+  return "cap";
+}
+
 /// One run, from its scene to its record.
 class Run {
 public:
@@ -69,191 +78,177 @@ public:
   ExitCode go();
 
 private:
-  void open_outputs();
-  bool steps_of_frame(); ///< false: interrupted
-  void take_rows(double milliseconds);
-  void write_frame(unsigned frame);
-  void check_finite(const StepStatistics& row) const;
+  bool start(); ///< opens or resumes; false: it is finished already
+  void load(const Checkpoint& checkpoint);
+  bool run_on(Progress& progress); ///< false: interrupted
+  bool stretch(Progress& progress);
+  void checkpoint();
   nlohmann::json record(const std::string& status) const;
+  void print(const std::string& text) const;
   void finish(const std::string& status);
+  void say(const std::string& line) const { fmt::print(stderr, "{}\n", line); }
+  std::uint64_t last_step() const { return std::uint64_t{frames_} * steps_per_frame_; }
 
   const RunOptions& options_;
   Scene scene_;
-  std::filesystem::path folder_;
   Model model_;
   std::unique_ptr<Device> device_;
   std::unique_ptr<Simulation> simulation_;
-  std::unique_ptr<Renderer> renderer_;
-  std::unique_ptr<RunWriter> writer_;
-  std::unique_ptr<StatisticsWriter> statistics_;
-  std::unique_ptr<Film> film_;
-  std::vector<std::string> components_;
-  unsigned frames_ = 0, frames_written_ = 0, steps_per_frame_ = 1;
-  std::vector<StepStatistics> rows_;
-  std::vector<double> step_ms_;
-  std::vector<std::vector<double>> component_ms_;
+  std::unique_ptr<GuardedRun> guard_;
+  std::unique_ptr<RunOutputs> outputs_;
+  CheckpointIdentity identity_;
+  unsigned frames_ = 0, steps_per_frame_ = 1;
+  std::optional<std::uint64_t> saved_step_; ///< of the last checkpoint
+  double earlier_seconds_ = 0;              ///< of the run before it was resumed
   Clock::time_point start_ = Clock::now();
 };
 
 Run::Run(const RunOptions& options, Scene scene) : options_(options), scene_(std::move(scene)) {
   if (!options.solver.empty()) scene_.solver.method = options.solver;
-  folder_ = options.out.empty() ? std::filesystem::path("out") / scene_.name : options.out;
   model_ = assemble(scene_);
-  device_ = open_device(options.device, [](const std::string& line) { fmt::print(stderr, "{}\n", line); });
+  device_ = open_device(options.device, [this](const std::string& line) { say(line); });
   PlanRequest request;
+  request.divergence = true;
   request.frames = scene_.output.data || options.render;
   request.fields = scene_.output.fields;
   simulation_ = std::make_unique<Simulation>(*device_, scene_, model_, request);
   frames_ =
       options.frames.value_or(static_cast<unsigned>(std::lround(scene_.simulation.end * scene_.output.fps)));
   steps_per_frame_ = static_cast<unsigned>(std::lround(1 / scene_.output.fps / simulation_->time_step()));
-  if (options.render) renderer_ = make_renderer(*device_, scene_, model_, field_label(scene_.render.color));
+  const DeviceInfo& info = device_->info();
+  identity_ = {scene_fingerprint(scene_, model_),
+               build_fingerprint(),
+               info.backend,
+               info.name,
+               info.driver,
+               info.precision == Precision::double_precision ? "double" : "float"};
+  const std::filesystem::path folder =
+      options.out.empty() ? std::filesystem::path("out") / scene_.name : options.out;
+  outputs_ =
+      std::make_unique<RunOutputs>(folder, scene_, model_, *simulation_, options.render, options.video);
 }
 
-void Run::open_outputs() {
-  prepare_output_folder(folder_);
-  if (renderer_) std::filesystem::create_directories(folder_ / "frames");
-  const Plan& plan = simulation_->plan();
-  components_ = {"motion", "elasticity", "solver"}; // as step.cpp books them
-  for (const char* component : {"boundaries", "contacts", "momentum", "statistics"})
-    if (std::find(plan.used.begin(), plan.used.end(), component) != plan.used.end())
-      components_.emplace_back(component);
-  component_ms_.resize(components_.size());
-  statistics_ = std::make_unique<StatisticsWriter>(folder_ / "statistics.csv", components_);
-  if (scene_.output.data) {
-    std::vector<BodyOutput> blocks;
-    for (const BodyModel& body : model_.bodies) {
-      BodyOutput block{body.name, BodyOutput::Kind::particles, body.count, {}, {}};
-      for (const std::string& field : scene_.output.fields)
-        block.fields.push_back({field, field == "velocity" || field == "displacement" ? 3u : 1u});
-      blocks.push_back(block);
+void Run::load(const Checkpoint& checkpoint) {
+  simulation_->load(checkpoint.state);
+  outputs_->resume(checkpoint.progress);
+  guard_ = std::make_unique<GuardedRun>(*simulation_, scene_, model_, steps_per_frame_);
+  guard_->count_from(checkpoint.progress.retries, checkpoint.progress.divided_steps);
+  drop_checkpoints_after(outputs_->folder(), checkpoint.state.step);
+  earlier_seconds_ = checkpoint.progress.wall_seconds;
+  saved_step_ = checkpoint.state.step;
+}
+
+bool Run::start() {
+  const std::filesystem::path& folder = outputs_->folder();
+  if (options_.resume) {
+    const std::optional<Checkpoint> found =
+        find_checkpoint(folder, identity_, [this](const std::string& line) { say("warning: " + line); });
+    std::string old, status;
+    if (std::filesystem::exists(folder / "run.json")) {
+      old = read_text_file(folder / "run.json");
+      const nlohmann::json j = nlohmann::json::parse(old, nullptr, false);
+      if (j.is_object()) status = j.value("status", "");
     }
-    if (plan.surfaces)
-      for (const BodyModel& body : model_.bodies)
-        if (body.surface)
-          blocks.push_back({body.name + "_surface",
-                            BodyOutput::Kind::surface,
-                            body.surface->vertices.size(),
-                            body.surface->triangles,
-                            {}});
-    writer_ = std::make_unique<RunWriter>(folder_, blocks, scene_.output.fps);
-  }
-  if (options_.video && renderer_)
-    film_ = std::make_unique<Film>(folder_ / "film.mp4", scene_.render.size[0], scene_.render.size[1],
-                                   scene_.output.fps);
-}
-
-void Run::check_finite(const StepStatistics& row) const {
-  if (row.not_finite == 0) return;
-  const std::vector<Vector3> positions = simulation_->positions();
-  std::string where = "a particle";
-  for (std::size_t i = 0; i < positions.size(); ++i)
-    if (!positions[i].allFinite()) {
-      const BodyModel& body = model_.bodies[model_.body[i]];
-      where = fmt::format("particle {} of body '{}'", model_.id[i], body.name);
-      break;
+    if (status == "finished" && (!found || found->state.step >= last_step())) {
+      say(fmt::format("{} is finished: there is nothing to resume", folder.string()));
+      print(old);
+      return false;
     }
-  throw Error(
-      ExitCode::diverged,
-      fmt::format("step {} (t = {:.6g} s): {} and {} others are no longer finite; frames up to {} are in {}. "
-                  "Use a smaller time step or more iterations",
-                  row.step, row.time, where, row.not_finite - 1, frames_written_ ? frames_written_ - 1 : 0,
-                  folder_.string()));
-}
-
-void Run::take_rows(double milliseconds) {
-  std::vector<double> spent(components_.size(), 0.0);
-  for (const Timing& timing : device_->take_timings())
-    for (std::size_t c = 0; c < components_.size(); ++c)
-      if (components_[c] == timing.component) spent[c] += timing.milliseconds;
-  for (const StepStatistics& row : simulation_->take_statistics()) {
-    statistics_->append({row.step,
-                         row.time,
-                         row.iterations,
-                         row.residual,
-                         row.kinetic_energy,
-                         row.elastic_energy,
-                         {row.momentum.x(), row.momentum.y(), row.momentum.z()},
-                         milliseconds,
-                         spent});
-    rows_.push_back(row);
-    check_finite(row);
+    if (found) {
+      say(fmt::format("resuming {} at step {}", folder.string(), found->state.step));
+      load(*found);
+      return true;
+    }
+    say(fmt::format("{} has no checkpoint: starting anew", folder.string()));
+    clear_run(folder);
   }
-  step_ms_.push_back(milliseconds);
-  for (std::size_t c = 0; c < components_.size(); ++c) component_ms_[c].push_back(spent[c]);
+  outputs_->open();
+  guard_ = std::make_unique<GuardedRun>(*simulation_, scene_, model_, steps_per_frame_);
+  outputs_->write_frame(0);
+  return true;
 }
 
-bool Run::steps_of_frame() {
-  for (unsigned s = 0; s < steps_per_frame_; ++s) {
+void Run::checkpoint() {
+  if (saved_step_ == simulation_->steps()) return;
+  Checkpoint checkpoint{identity_, outputs_->progress(), simulation_->save()};
+  checkpoint.progress.wall_seconds = earlier_seconds_ + milliseconds_since(start_) / 1000;
+  checkpoint.progress.retries = guard_->retries();
+  checkpoint.progress.divided_steps = guard_->divided_steps();
+  write_checkpoint(outputs_->folder(), checkpoint);
+  saved_step_ = simulation_->steps();
+}
+
+bool Run::stretch(Progress& progress) {
+  const std::vector<std::string>& components = outputs_->components();
+  std::vector<double> total;
+  std::vector<std::vector<double>> spent;
+  auto began = Clock::now();
+  GuardedCalls calls;
+  calls.begin = [&](unsigned) {
+    total.clear();
+    spent.clear();
+  };
+  calls.before_step = [&] {
     if (interrupt) return false;
-    const auto start = Clock::now();
-    simulation_->step();
+    if (options_.before_step) options_.before_step(*simulation_);
+    began = Clock::now();
+    return true;
+  };
+  calls.after_step = [&] {
     device_->finish();
-    take_rows(milliseconds_since(start));
+    total.push_back(milliseconds_since(began));
+    spent.emplace_back(components.size(), 0.0);
+    for (const Timing& timing : device_->take_timings())
+      for (std::size_t c = 0; c < components.size(); ++c)
+        if (components[c] == timing.component) spent.back()[c] += timing.milliseconds;
+  };
+  calls.say = [&](const std::string& line) { progress.say(line); };
+  const std::vector<StepStatistics> rows = guard_->advance(last_step(), calls);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const StepStatistics& row = rows[k];
+    outputs_->append({row.step,
+                      row.time,
+                      row.iterations,
+                      row.residual,
+                      stop_name(row.reason),
+                      row.kinetic_energy,
+                      row.elastic_energy,
+                      {row.momentum.x(), row.momentum.y(), row.momentum.z()},
+                      total[k],
+                      spent[k]});
+  }
+  return !rows.empty();
+}
+
+bool Run::run_on(Progress& progress) {
+  while (simulation_->steps() < last_step()) {
+    if (!stretch(progress)) return false;
+    if (simulation_->steps() % steps_per_frame_ != 0) continue;
+    const auto frame = static_cast<unsigned>(simulation_->steps() / steps_per_frame_);
+    outputs_->write_frame(frame);
+    const StatisticsRow& row = outputs_->rows().back();
+    progress.frame(frame, row.time, row.stopped == "floor" ? 0 : row.residual,
+                   static_cast<unsigned>(row.iterations));
+    if (scene_.output.checkpoint_every > 0 && frame % scene_.output.checkpoint_every == 0) checkpoint();
   }
   return true;
 }
 
-void Run::write_frame(unsigned frame) {
-  FrameOutput* output = simulation_->frame();
-  if (!output) return;
-  output->update();
-  if (writer_) {
-    const std::vector<Real4<double>> particles = device_->download_real4(output->particle());
-    std::vector<float> positions(3 * particles.size()), vertices;
-    for (std::size_t i = 0; i < particles.size(); ++i) {
-      positions[3 * i] = static_cast<float>(particles[i].x);
-      positions[3 * i + 1] = static_cast<float>(particles[i].y);
-      positions[3 * i + 2] = static_cast<float>(particles[i].z);
-    }
-    std::vector<std::vector<float>> fields;
-    std::vector<unsigned> widths;
-    for (const std::string& name : scene_.output.fields) {
-      unsigned width = 1;
-      fields.push_back(output->field(name, width));
-      widths.push_back(width);
-    }
-    std::vector<BodyFrame> blocks;
-    for (const BodyModel& body : model_.bodies) {
-      BodyFrame block{std::span(positions).subspan(3 * std::size_t{body.first}, 3 * std::size_t{body.count}),
-                      {}};
-      for (std::size_t f = 0; f < fields.size(); ++f)
-        block.fields.push_back(std::span<const float>(fields[f]).subspan(
-            widths[f] * std::size_t{body.first}, widths[f] * std::size_t{body.count}));
-      blocks.push_back(block);
-    }
-    if (output->vertex()) {
-      for (const Real4<double>& v : device_->download_real4(output->vertex()))
-        vertices.insert(vertices.end(),
-                        {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)});
-      const std::vector<std::uint32_t>& first = output->skin().first;
-      for (std::size_t b = 0; b < model_.bodies.size(); ++b)
-        if (model_.bodies[b].surface)
-          blocks.push_back({std::span<const float>(vertices).subspan(
-                                3 * std::size_t{first[b]}, 3 * std::size_t{first[b + 1] - first[b]}),
-                            {}});
-    }
-    writer_->append(frame, blocks);
-  }
-  if (renderer_) {
-    const Image image =
-        renderer_->draw(*device_, {output->particle(), output->vertex(), simulation_->time()});
-    write_png(image, folder_ / "frames" / fmt::format("{:06}.png", frame));
-    if (film_) film_->add(image);
-  }
-  frames_written_ = frame + 1;
-}
-
 nlohmann::json Run::record(const std::string& status) const {
-  std::vector<unsigned> iterations;
-  std::vector<double> residuals;
-  for (const StepStatistics& row : rows_) {
+  std::vector<std::uint64_t> iterations;
+  std::vector<double> residuals, step_ms;
+  const std::vector<std::string>& names = outputs_->components();
+  std::vector<std::vector<double>> component_ms(names.size());
+  std::map<std::string, std::uint64_t> stopped{{"tolerance", 0}, {"floor", 0}, {"cap", 0}};
+  for (const StatisticsRow& row : outputs_->rows()) {
     iterations.push_back(row.iterations);
     residuals.push_back(row.residual);
+    step_ms.push_back(row.ms_total);
+    for (std::size_t c = 0; c < names.size(); ++c) component_ms[c].push_back(row.ms_components[c]);
+    ++stopped[row.stopped];
   }
   nlohmann::json components = nlohmann::json::object();
-  for (std::size_t c = 0; c < components_.size(); ++c)
-    components[components_[c]] = percentile(component_ms_[c], 0.5);
+  for (std::size_t c = 0; c < names.size(); ++c) components[names[c]] = percentile(component_ms[c], 0.5);
   const DeviceInfo& info = device_->info();
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -269,15 +264,18 @@ nlohmann::json Run::record(const std::string& status) const {
   j["particles"] = model_.count();
   j["bonds"] = model_.bonds.count();
   j["steps"] = simulation_->steps();
-  j["frames"] = frames_written_;
+  j["frames"] = outputs_->frames();
   j["time"] = simulation_->time();
   j["time_step"] = simulation_->time_step();
   j["stiffness_number"] = simulation_->stiffness_number();
-  j["wall_seconds"] = milliseconds_since(start_) / 1000;
+  j["wall_seconds"] = earlier_seconds_ + milliseconds_since(start_) / 1000;
   j["step_ms"] = {
-      {"median", percentile(step_ms_, 0.5)}, {"p95", percentile(step_ms_, 0.95)}, {"components", components}};
+      {"median", percentile(step_ms, 0.5)}, {"p95", percentile(step_ms, 0.95)}, {"components", components}};
   j["iterations"] = {{"median", percentile(iterations, 0.5)}, {"max", percentile(iterations, 1.0)}};
   j["residual"] = {{"median", percentile(residuals, 0.5)}, {"max", percentile(residuals, 1.0)}};
+  j["stopped"] = stopped;
+  j["retries"] = guard_->retries();
+  j["divided_steps"] = guard_->divided_steps();
   j["peak_bytes"] = {{"host", static_cast<std::int64_t>(usage.ru_maxrss) * 1024},
                      {"device", device_->bytes_peak()}};
   j["hash"] = simulation_->hash();
@@ -286,56 +284,54 @@ nlohmann::json Run::record(const std::string& status) const {
   return j;
 }
 
-void Run::finish(const std::string& status) {
-  if (film_) film_->close();
-  if (writer_) writer_->close();
-  const std::string text = record(status).dump(2) + "\n";
-  write_text_file(folder_ / "run.json", text);
+void Run::print(const std::string& text) const {
   if (options_.json == "-")
     std::cout << text << std::flush;
   else if (!options_.json.empty())
     write_text_file(options_.json, text);
 }
 
+void Run::finish(const std::string& status) {
+  checkpoint();
+  outputs_->close();
+  const std::string text = record(status).dump(2) + "\n";
+  write_text_file(outputs_->folder() / "run.json", text);
+  print(text);
+}
+
 ExitCode Run::go() {
-  for (const std::string& warning : model_.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  for (const std::string& warning : model_.warnings) say("warning: " + warning);
   const double asked = scene_.simulation.time_step, taken = simulation_->time_step();
   if (std::abs(asked - taken) > 1e-9 * asked)
-    fmt::print(stderr, "time step {:.6g} s instead of {:.6g} s: {} whole steps make a frame\n", taken, asked,
-               steps_per_frame_);
-  open_outputs();
-  simulation_->measure(true);
+    say(fmt::format("time step {:.6g} s instead of {:.6g} s: {} whole steps make a frame", taken, asked,
+                    steps_per_frame_));
   const SignalGuard guard;
-  Progress progress(options_.progress, frames_);
-  std::string status = "finished";
+  if (!start()) return ExitCode::good;
+  simulation_->measure(true);
+  Progress progress(options_.progress, frames_,
+                    static_cast<unsigned>(simulation_->steps() / steps_per_frame_));
+  bool whole = false;
   try {
-    write_frame(0);
-    for (unsigned frame = 1; frame <= frames_; ++frame) {
-      if (!steps_of_frame()) {
-        status = "interrupted";
-        break;
-      }
-      write_frame(frame);
-      const StepStatistics& row = rows_.back();
-      progress.frame(frame, row.time, row.reason == StopReason::floor ? 0 : row.residual, row.iterations);
-    }
+    whole = run_on(progress);
   } catch (const Error& error) {
     if (error.code() == ExitCode::diverged) finish("diverged");
     throw;
   }
-  finish(status);
-  if (status == "interrupted") {
-    progress.say(fmt::format("stopped after frame {}; what was computed is in {}", frames_written_ - 1,
-                             folder_.string()));
+  finish(whole ? "finished" : "interrupted");
+  if (!whole) {
+    progress.say(fmt::format("stopped at step {}, after frame {}; what was computed is in {}, and --resume "
+                             "goes on from there",
+                             simulation_->steps(), outputs_->frames() - 1, outputs_->folder().string()));
     return static_cast<ExitCode>(128 + interrupt);
   }
-  const auto capped = std::count_if(rows_.begin(), rows_.end(),
-                                    [](const StepStatistics& row) { return row.reason == StopReason::cap; });
+  const std::vector<StatisticsRow>& rows = outputs_->rows();
+  const auto capped =
+      std::count_if(rows.begin(), rows.end(), [](const StatisticsRow& row) { return row.stopped == "cap"; });
   if (capped > 0)
     progress.say(fmt::format(
         "{} of {} steps reached the cap of {} iterations before the tolerance: the result is softer "
         "and more damped than the material; raise solver.iterations",
-        capped, rows_.size(), scene_.solver.iterations));
+        capped, rows.size(), scene_.solver.iterations));
   return ExitCode::good;
 }
 

@@ -134,6 +134,7 @@ struct OutputSettings {
   double fps = 30;
   std::vector<std::string> fields; ///< "velocity", "displacement", "strain", "energy"
   bool data = true;                ///< run.vtkhdf and run.xmf
+  unsigned checkpoint_every = 10;  ///< frames; 0: only at the end and when interrupted
 };
 
 struct Camera {

@@ -116,7 +116,12 @@ const Table& output_table() {
         .meaning = "fields stored with the positions",
         .slot = at<&S::fields>,
         .choices = {"velocity", "displacement", "strain", "energy"}},
-       {.name = "data", .meaning = "write run.vtkhdf and run.xmf", .slot = at<&S::data>}},
+       {.name = "data", .meaning = "write run.vtkhdf and run.xmf", .slot = at<&S::data>},
+       {.name = "checkpoint_every",
+        .meaning = "frames between checkpoints; 0: only at the end and when interrupted",
+        .slot = at<&S::checkpoint_every>,
+        .unit = "frames",
+        .range = {.low = 0, .high = 1e6}}},
       std::make_shared<S>()};
   return table;
 }

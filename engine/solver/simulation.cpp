@@ -7,6 +7,7 @@
 #include "engine/solver/frame.h"
 #include "engine/solver/global_step.h"
 #include "engine/solver/motion.h"
+#include "engine/solver/saved_state.h"
 #include "engine/solver/state.h"
 #include "engine/solver/stiffness.h"
 #include "kernels/all.h"
@@ -81,6 +82,9 @@ void Simulation::allocate() {
   for (const BufferSpec& spec : plan_.buffers)
     if (Buffer* buffer = state_->find(spec.name))
       *buffer = device_.allocate(spec.name, spec.type, spec.count);
+  for (const std::string& name : persistent_buffers())
+    if (const BufferSpec* spec = plan_.find(kept_name(name)))
+      state_->kept[name] = device_.allocate(spec->name, spec->type, spec->count);
 }
 
 void Simulation::upload(const SlicedBonds& bonds) {
@@ -128,7 +132,7 @@ void Simulation::upload(const SlicedBonds& bonds) {
   device_.upload(s.bond, packed);
   device_.upload(s.weight, weights);
   upload_shapes();
-  if (plan_.momentum || plan_.statistics) device_.write(s.chunk, 0, std::as_bytes(std::span(chunks_.chunk)));
+  if (s.chunk) device_.write(s.chunk, 0, std::as_bytes(std::span(chunks_.chunk)));
   if (plan_.momentum) device_.write(s.component, 0, std::as_bytes(std::span(chunks_.component)));
 }
 
@@ -182,10 +186,11 @@ void Simulation::choose_step(double step) {
 }
 
 void Simulation::begin_step() {
-  const double end = static_cast<double>(step_ + 1) * time_step_;
-  const double wanted = plan_.bdf2 && !first_of_bdf2_ ? time_step_ * 2 / 3 : time_step_;
+  const double end = (static_cast<double>(step_) + (part_ + 1.0) / parts_) * time_step_;
+  const double whole = time_step_ / parts_;
+  const double wanted = plan_.bdf2 && !first_of_bdf2_ ? whole * 2 / 3 : whole;
   if (wanted != solve_step_) choose_step(wanted);
-  if (contacts_) contacts_->begin_step(end - time_step_, time_step_, contact_state(*state_));
+  if (contacts_) contacts_->begin_step(end - whole, whole, contact_state(*state_));
   if (plan_.held) gather_held(end);
   if (plan_.loaded) {
     std::vector<Real4d> force(model_.count(), Real4d{0, 0, 0, 0});

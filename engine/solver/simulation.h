@@ -18,6 +18,7 @@ class Contacts;
 class Elasticity;
 class GlobalStep;
 class FrameOutput;
+struct SavedState;
 struct SimulationState;
 
 enum class StopReason : std::uint8_t { none, tolerance, floor, cap };
@@ -87,6 +88,16 @@ public:
   std::vector<Vector3> velocities(); ///< m/s
   Snapshot snapshot();
   void restore(const Snapshot& state);
+  /// The state as the device stores it: loaded into a simulation of the same scene, build and device, the
+  /// steps that follow are the same bit for bit. See saved_state.h.
+  SavedState save();
+  /// Throws Error(internal) for a state of other buffers.
+  void load(const SavedState& state);
+  /// Keeps the state on the device, and goes back to it. Plan: divergence.
+  void keep();
+  void rewind();
+  /// One time step in `parts` equal ones of implicit Euler.
+  void step_divided(unsigned parts);
   /// Internal elastic forces at the given world positions, N; for tests and tools. Leaves the state as it
   /// was.
   std::vector<Vector3> elastic_forces(const std::vector<Vector3>& positions);
@@ -133,6 +144,9 @@ private:
   unsigned iteration_ = 0; ///< of the solve
   std::uint64_t step_ = 0;
   bool first_of_bdf2_ = true; ///< the step before is missing
+  unsigned part_ = 0, parts_ = 1; ///< of a divided step
+  std::uint64_t kept_step_ = 0;
+  bool kept_first_of_bdf2_ = true;
   struct Pending {
     std::uint64_t step = 0;
     std::unique_ptr<Readback> readback;

@@ -4,6 +4,8 @@
 #include "engine/device/device.h"
 #include "engine/solver/contact.h"
 
+#include <map>
+
 namespace pliant {
 
 struct SimulationState {
@@ -25,6 +27,9 @@ struct SimulationState {
   Buffer origin, origin_shift, anchor, chunk, component, moment, rigid;
   // Statistics.
   Buffer chunk_sum, statistics;
+
+  // Divergence: what saved_state.h names, at the last state known to be good.
+  std::map<std::string, Buffer> kept;
 
   /// The member that a name of the plan stands for.
   Buffer* find(const std::string& name);

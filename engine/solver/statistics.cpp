@@ -13,11 +13,12 @@
 namespace pliant {
 
 void Simulation::write_statistics() {
-  if (!plan_.statistics) return;
+  if (!plan_.statistics && !plan_.divergence) return;
   SimulationState& s = *state_;
-  device_.enter("statistics");
+  device_.enter(plan_.statistics ? "statistics" : "divergence");
   const auto chunks = static_cast<std::uint32_t>(chunks_.chunk.size());
   device_.run(kernels::statistics_chunk::Args{.threads = chunks * kernels::statistics_chunk::group_size,
+                                              .energies = plan_.statistics,
                                               .chunk = s.chunk,
                                               .position = s.position,
                                               .velocity = s.velocity,
@@ -65,11 +66,38 @@ StepStatistics Simulation::row(std::span<const std::byte> bytes, std::uint64_t s
   return s;
 }
 
+namespace {
+
+/// The row of a divided step from those of its parts.
+StepStatistics joined(const StepStatistics& earlier, const StepStatistics& later) {
+  StepStatistics both = later;
+  both.iterations += earlier.iterations;
+  both.restarts += earlier.restarts;
+  both.reason = std::max(earlier.reason, later.reason);
+  both.residual = std::max(earlier.residual, later.residual);
+  both.largest_speed = std::max(earlier.largest_speed, later.largest_speed);
+  both.largest_displacement += earlier.largest_displacement;
+  both.not_finite = std::max(earlier.not_finite, later.not_finite);
+  return both;
+}
+
+} // namespace
+
 std::vector<StepStatistics> Simulation::take_statistics(bool wait) {
   std::vector<StepStatistics> rows;
-  while (!pending_.empty() && (wait || pending_.front().readback->ready())) {
-    rows.push_back(row(pending_.front().readback->wait(), pending_.front().step));
+  const auto arrived = [this] { // with all parts of a divided step
+    std::size_t last = 0;
+    while (last + 1 < pending_.size() && pending_[last + 1].step == pending_.front().step) ++last;
+    return pending_[last].readback->ready();
+  };
+  while (!pending_.empty() &&
+         (wait || (!rows.empty() && rows.back().step == pending_.front().step) || arrived())) {
+    const StepStatistics next = row(pending_.front().readback->wait(), pending_.front().step);
     pending_.pop_front();
+    if (rows.empty() || rows.back().step != next.step)
+      rows.push_back(next);
+    else
+      rows.back() = joined(rows.back(), next);
   }
   return rows;
 }

@@ -43,16 +43,20 @@ TEST(Statistics, RowsReadBackAsTheSameDoubles) {
   ScratchFolder folder;
   const auto path = folder.path / "statistics.csv";
   StatisticsWriter writer(path, {"elasticity", "contacts"});
-  const StatisticsRow row = {7,    1.0 / 30,      12, 1e-3 / 3, 0.1, 2e-300, {-0.0, 1.0 / 3, 1e22},
+  const StatisticsRow row = {7,    1.0 / 30,      12, 1e-3 / 3, "floor", 0.1, 2e-300, {-0.0, 1.0 / 3, 1e22},
                              3.25, {0.1 + 0.2, 5}};
   writer.append(row);
   // The file is read while the writer still lives: a row is there as soon as it is appended.
   const auto lines = split(read_text_file(path), '\n');
   ASSERT_EQ(lines.size(), 2u);
-  EXPECT_EQ(lines[0],
-            "step,time,iterations,residual,kinetic_energy,elastic_energy,momentum_x,momentum_y,momentum_z,"
-            "ms_total,ms_elasticity,ms_contacts");
-  const auto cells = split(lines[1], ',');
+  EXPECT_EQ(
+      lines[0],
+      "step,time,iterations,residual,stopped,kinetic_energy,elastic_energy,momentum_x,momentum_y,momentum_z,"
+      "ms_total,ms_elasticity,ms_contacts");
+  auto cells = split(lines[1], ',');
+  ASSERT_GT(cells.size(), 4u);
+  EXPECT_EQ(cells[4], "floor");
+  cells.erase(cells.begin() + 4);
   const std::vector<double> wanted = {7,    1.0 / 30, 12,   1e-3 / 3, 0.1,       2e-300,
                                       -0.0, 1.0 / 3,  1e22, 3.25,     0.1 + 0.2, 5};
   ASSERT_EQ(cells.size(), wanted.size());
@@ -71,7 +75,8 @@ TEST(Statistics, AFullDiskTakesBackTheHalfRow) {
     int status = 0;
     try {
       StatisticsWriter writer(path, {});
-      for (std::uint64_t k = 0; k < 100; ++k) writer.append({k, 0.125, 3, 0.5, 1, 2, {3, 4, 5}, 6, {}});
+      for (std::uint64_t k = 0; k < 100; ++k)
+        writer.append({k, 0.125, 3, 0.5, "cap", 1, 2, {3, 4, 5}, 6, {}});
     } catch (const Error& error) {
       status = static_cast<int>(error.code());
     }
@@ -85,7 +90,7 @@ TEST(Statistics, AFullDiskTakesBackTheHalfRow) {
   const auto lines = split(text, '\n');
   EXPECT_GT(lines.size(), 5u);
   for (std::size_t i = 1; i < lines.size(); ++i)
-    EXPECT_EQ(lines[i], std::to_string(i - 1) + ",0.125,3,0.5,1,2,3,4,5,6");
+    EXPECT_EQ(lines[i], std::to_string(i - 1) + ",0.125,3,0.5,cap,1,2,3,4,5,6");
 }
 
 TEST(Folder, IsMadeOrAcceptedWhereEmpty) {

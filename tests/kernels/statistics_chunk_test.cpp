@@ -15,7 +15,8 @@ struct Problem {
   Values in;
   Problem() {
     Random random(kernel_seed + 37);
-    in = {{"chunk", p.chunk},
+    in = {{"energies", {1}},
+          {"chunk", p.chunk},
           {"position", p.position},
           {"velocity", random_groups(random, p.count, 3)},
           {"displacement", p.displacement},
@@ -73,6 +74,17 @@ TEST_P(StatisticsChunk, CountsWhatIsNotFinite) {
     EXPECT_GT(spoiled.at("chunk_sum")[8 * g + k], 0);
   }
   for (std::size_t k = 0; k < 8 * g; ++k) EXPECT_EQ(spoiled.at("chunk_sum")[k], clean.at("chunk_sum")[k]);
+}
+
+TEST_P(StatisticsChunk, WithoutEnergiesNoneIsRead) {
+  Problem problem;
+  Device& device = OpenDevices::of(GetParam());
+  const Values with = run_kernel<kernels::statistics_chunk::Args>(device, problem.threads(), problem.in);
+  problem.in["energies"] = {0};
+  for (double& e : problem.in["energy"]) e = not_a_number;
+  const Values without = run_kernel<kernels::statistics_chunk::Args>(device, problem.threads(), problem.in);
+  for (std::size_t k = 0; k < 8 * problem.p.chunks; ++k)
+    EXPECT_EQ(without.at("chunk_sum")[k], k % 8 == 1 ? 0 : with.at("chunk_sum")[k]) << k;
 }
 
 } // namespace

@@ -79,6 +79,7 @@ inline std::vector<Switch> switches() {
       {"contacts", [](PlanScene& s) { s.scene.contact.self = true; }},
       {"momentum", [](PlanScene& s) { s.scene.solver.restore_momentum = true; }},
       {"statistics", [](PlanScene& s) { s.request.statistics = true; }},
+      {"divergence", [](PlanScene& s) { s.request.divergence = true; }},
       {"frames", [](PlanScene& s) { s.request.frames = true; }},
       {"strain",
        [](PlanScene& s) {

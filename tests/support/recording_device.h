@@ -19,7 +19,7 @@ public:
   std::map<std::string, std::size_t> allocated; ///< name to bytes, of each buffer ever asked for
   std::set<std::string> dispatched;             ///< variants, e.g. "predict[bdf2=0,loaded=1]"
   std::set<std::string> prepared;               ///< the same
-  std::set<std::string> used;                   ///< names of buffers that a dispatched shader reads or writes
+  std::set<std::string> used;                   ///< names of buffers that a dispatched shader names or a copy fills
   bool twice = false;                           ///< two buffers of one name
 
   const DeviceInfo& info() const override { return device_.info(); }
@@ -33,7 +33,10 @@ public:
   void read(const BufferStorage* buffer, std::size_t first, std::span<std::byte> bytes) override {
     device_.read(buffer, first, bytes);
   }
-  void copy(const BufferStorage* from, BufferStorage* to) override { device_.copy(from, to); }
+  void copy(const BufferStorage* from, BufferStorage* to) override {
+    used.insert(to->name());
+    device_.copy(from, to);
+  }
   std::unique_ptr<Readback> request(const BufferStorage* buffer, std::size_t first,
                                     std::size_t bytes) override {
     return device_.request(buffer, first, bytes);

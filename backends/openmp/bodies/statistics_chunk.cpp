@@ -13,10 +13,10 @@ template <class real> void statistics_chunk(const kernels::statistics_chunk::Vie
     for (uint i = k.chunk[group].x; i < k.chunk[group].y; ++i) {
       const real m = k.position[i].w;
       const Vec3<real> v = xyz(k.velocity[i]), u = xyz(k.displacement[i]), y = xyz(k.position[i]);
-      const real v2 = dot(v, v), u2 = dot(u, u);
-      const bool finite = __builtin_isfinite(v2 + k.energy[i] + y.x + y.y + y.z + u2);
+      const real v2 = dot(v, v), u2 = dot(u, u), stored = k.energies ? k.energy[i] : real(0);
+      const bool finite = __builtin_isfinite(v2 + stored + y.x + y.y + y.z + u2);
       kinetic += m * v2 / 2;
-      elastic += k.energy[i];
+      elastic += stored;
       momentum = momentum + m * v;
       if (!finite) wrong += 1;
       if (finite) speed2 = larger(speed2, v2), shift2 = larger(shift2, u2);

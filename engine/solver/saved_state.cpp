@@ -1,0 +1,88 @@
+// The state of a simulation taken and put back, and steps in parts.
+#include "engine/solver/saved_state.h"
+
+#include "engine/core/error.h"
+#include "engine/solver/simulation.h"
+#include "engine/solver/state.h"
+
+#include <fmt/format.h>
+
+namespace pliant {
+
+const std::vector<std::string>& persistent_buffers() {
+  static const std::vector<std::string> names = {
+      "position",         // with the mass
+      "velocity",         // with the share of gravity that was felt
+      "origin",           // of bodies: moved every so many steps
+      "rotation",         // corotated law: where the next polar decomposition starts
+      "earlier_velocity", // BDF2
+      "earlier_shift",    // BDF2
+  };
+  return names;
+}
+
+SavedState Simulation::save() {
+  SavedState saved{step_, first_of_bdf2_, {}};
+  for (const std::string& name : persistent_buffers()) {
+    if (!plan_.find(name)) continue;
+    const Buffer& buffer = *state_->find(name);
+    SavedBuffer copy{name, buffer->type(), std::vector<std::byte>(buffer->bytes())};
+    device_.read(buffer, 0, copy.bytes);
+    saved.buffers.push_back(std::move(copy));
+  }
+  return saved;
+}
+
+void Simulation::load(const SavedState& saved) {
+  std::size_t fitting = 0, wanted = 0;
+  for (const std::string& name : persistent_buffers()) wanted += plan_.find(name) ? 1 : 0;
+  for (const SavedBuffer& copy : saved.buffers) {
+    Buffer* buffer = plan_.find(copy.name) ? state_->find(copy.name) : nullptr;
+    if (!buffer || (*buffer)->type() != copy.type || (*buffer)->bytes() != copy.bytes.size())
+      throw Error(ExitCode::internal,
+                  fmt::format("a saved state whose buffer '{}' of {} bytes is none of this simulation's",
+                              copy.name, copy.bytes.size()));
+    ++fitting;
+  }
+  if (fitting != wanted)
+    throw Error(
+        ExitCode::internal,
+        fmt::format("a saved state of {} buffers given to a simulation that has {}", fitting, wanted));
+  for (const SavedBuffer& copy : saved.buffers) device_.write(*state_->find(copy.name), 0, copy.bytes);
+  step_ = saved.step;
+  first_of_bdf2_ = saved.first_of_bdf2;
+  if (plan_.held) held_count_ = ~0u; // whoever is held at the new time is sent again
+  pending_.clear();
+}
+
+void Simulation::keep() {
+  device_.enter("divergence");
+  for (const auto& [name, copy] : state_->kept) device_.copy(*state_->find(name), copy);
+  kept_step_ = step_;
+  kept_first_of_bdf2_ = first_of_bdf2_;
+}
+
+void Simulation::rewind() {
+  if (!plan_.divergence)
+    throw Error(ExitCode::internal, "no state is kept: divergence is not in this simulation's plan");
+  for (const auto& [name, copy] : state_->kept) device_.copy(copy, *state_->find(name));
+  step_ = kept_step_;
+  first_of_bdf2_ = kept_first_of_bdf2_;
+  if (plan_.held) held_count_ = ~0u;
+  pending_.clear();
+}
+
+void Simulation::step_divided(unsigned parts) {
+  const std::uint64_t start = step_;
+  parts_ = parts;
+  for (part_ = 0; part_ < parts; ++part_) {
+    step_ = start;
+    first_of_bdf2_ = true; // steps of another length are no history
+    step();
+  }
+  parts_ = 1;
+  part_ = 0;
+  first_of_bdf2_ = true;
+}
+
+} // namespace pliant
