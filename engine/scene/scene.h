@@ -42,7 +42,7 @@ struct Motion {
   double rate = 0;                    ///< rad/s
   double start = 0;                   ///< s
   double end = 1e300;                 ///< s; it stands still afterwards
-  std::optional<bool> release;        ///< free the particles at `end` instead
+  std::optional<bool> release;        ///< instead, at `end`, particles are set free and an obstacle is gone
 };
 
 struct Material {

@@ -131,6 +131,9 @@ void check_moved(const TomlValue& value, const Motion& motion, const std::string
 void check_boundary(const TomlValue& value, const Boundary& boundary, const std::string& path,
                     Findings& findings) {
   check_times(value, boundary.motion.start, boundary.motion.end, path, findings);
+  if (boundary.motion.release.value_or(false) && !value.find("end"))
+    findings.add(value.find("release")->where,
+                 fmt::format("{}.release needs {}.end: the obstacle is taken away then", path, path));
   if (const TomlValue* friction = value.find("friction"); friction && !boundary.slip)
     findings.add(
         friction->key_where,

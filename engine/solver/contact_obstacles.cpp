@@ -101,6 +101,12 @@ std::vector<Real4<double>> Obstacles::table(double begin, double end, const Vect
   std::vector<Real4<double>> rows(std::size_t{OBSTACLES} * OBSTACLE_ROWS);
   Real4<double>* row = rows.data();
   for (const Obstacle& o : obstacles_) {
+    if (released(o.motion, end)) { // a ball of no size where nothing is
+      row[OBSTACLE_KIND] = {OBSTACLE_SPHERE, 0, 0, 0};
+      row[OBSTACLE_CENTRE] = {everywhere, 0, 0, 0};
+      row += OBSTACLE_ROWS;
+      continue;
+    }
     const RigidMap before = motion_at(o.motion, begin), after = motion_at(o.motion, end);
     const Vector3 centre = after(o.centre);
     const Matrix3 axes = after.rotation * o.axes;

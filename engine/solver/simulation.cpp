@@ -291,7 +291,7 @@ void Simulation::gather_held(double time) {
   std::vector<Real4d> starts;
   for (const Held& held : model_.held) {
     const Motion& motion = model_.motions[held.motion];
-    if (motion.release.value_or(false) && time > motion.end) continue;
+    if (released(motion, time)) continue;
     entries.insert(entries.end(), {held.particle, held.motion});
     starts.push_back(pack(model_.position[held.particle] - scene_origin_));
   }

@@ -89,6 +89,8 @@ shape = { sphere = 1 }
 friction = 0.5
 inside = true
 velocity = [0, 1, 0]
+end = 2
+release = true
 visible = false
 [output]
 fps = 24
@@ -154,6 +156,9 @@ samples = 1
   EXPECT_TRUE(scene.boundaries[1].slip);
   EXPECT_TRUE(scene.boundaries[1].inside);
   EXPECT_FALSE(scene.boundaries[1].visible);
+  EXPECT_EQ(scene.boundaries[1].motion.end, 2);
+  EXPECT_EQ(scene.boundaries[1].motion.release, true);
+  EXPECT_FALSE(scene.boundaries[0].motion.release.has_value());
   EXPECT_THAT(scene.output.fields, ElementsAre("strain", "velocity"));
   EXPECT_FALSE(scene.output.data);
   EXPECT_TRUE(scene.render.given);
