@@ -85,7 +85,8 @@ public:
 
 private:
   static std::string place_of(const Scene& scene, std::uint32_t index) {
-    return fmt::format("{}: body '{}'", scene.file.string(), scene.bodies[index].name);
+    const Body& body = scene.bodies[index];
+    return fmt::format("{}{}: body '{}'", scene.file.string(), body.typed_at, body.name);
   }
 
   std::filesystem::path folder() const { return scene_.file.parent_path(); }
@@ -253,11 +254,11 @@ Model assemble(const Scene& scene) {
                    [&](std::uint32_t a, std::uint32_t b) { return builders[a].law() < builders[b].law(); });
   for (const std::uint32_t b : order) builders[b].build();
   number_through(model);
-  if (const std::optional<std::string> crossing = overlap(model)) {
-    if (!scene.allow_overlap)
-      throw Error(ExitCode::usage, fmt::format("{}: {}; move them apart, or allow \"overlap\"",
-                                               scene.file.string(), *crossing));
-    model.warnings.push_back(fmt::format("{}: {}", scene.file.string(), *crossing));
+  if (const std::optional<Overlap> found = overlap(model)) {
+    const std::string text =
+        fmt::format("{}{}: {}", scene.file.string(), scene.bodies[found->body].typed_at, found->text);
+    if (!scene.allow_overlap) throw Error(ExitCode::usage, text + "; move them apart, or allow \"overlap\"");
+    model.warnings.push_back(text);
   }
   return model;
 }

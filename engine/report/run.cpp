@@ -73,6 +73,7 @@ private:
   bool steps_of_frame(); ///< false: interrupted
   void take_rows(double milliseconds);
   void write_frame(unsigned frame);
+  void watch_contacts(Progress& progress);
   void check_finite(const StepStatistics& row) const;
   nlohmann::json record(const std::string& status) const;
   void finish(const std::string& status);
@@ -89,6 +90,7 @@ private:
   std::unique_ptr<Film> film_;
   std::vector<std::string> components_;
   unsigned frames_ = 0, frames_written_ = 0, steps_per_frame_ = 1;
+  std::uint32_t contacts_dropped_ = 0; ///< the most at a frame
   std::vector<StepStatistics> rows_;
   std::vector<double> step_ms_;
   std::vector<std::vector<double>> component_ms_;
@@ -244,6 +246,18 @@ void Run::write_frame(unsigned frame) {
   frames_written_ = frame + 1;
 }
 
+// Says once that contacts are dropped, and keeps the most.
+void Run::watch_contacts(Progress& progress) {
+  const std::uint32_t dropped = simulation_->contacts_dropped();
+  if (dropped > 0 && contacts_dropped_ == 0)
+    progress.say(
+        fmt::format("warning: {} contacts found no room (t = {:.4g} s) and do not act: more particles "
+                    "touch one than a body can pack; look for bodies that overlap, or for a body that "
+                    "is crushed",
+                    dropped, simulation_->time()));
+  contacts_dropped_ = std::max(contacts_dropped_, dropped);
+}
+
 nlohmann::json Run::record(const std::string& status) const {
   std::vector<unsigned> iterations;
   std::vector<double> residuals;
@@ -280,6 +294,7 @@ nlohmann::json Run::record(const std::string& status) const {
   j["residual"] = {{"median", percentile(residuals, 0.5)}, {"max", percentile(residuals, 1.0)}};
   j["peak_bytes"] = {{"host", static_cast<std::int64_t>(usage.ru_maxrss) * 1024},
                      {"device", device_->bytes_peak()}};
+  j["contacts_dropped"] = std::max(contacts_dropped_, simulation_->contacts_dropped());
   j["hash"] = simulation_->hash();
   j["warnings"] = model_.warnings;
   j["scene"] = scene_to_json(scene_);
@@ -316,6 +331,7 @@ ExitCode Run::go() {
         break;
       }
       write_frame(frame);
+      watch_contacts(progress);
       const StepStatistics& row = rows_.back();
       progress.frame(frame, row.time, row.reason == StopReason::floor ? 0 : row.residual, row.iterations);
     }

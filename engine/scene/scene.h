@@ -86,6 +86,7 @@ struct Body {
   std::string start = ""; ///< "", "flat" (onto the plane x = c), "line", "point", "random", "mirror"
   std::optional<Vector3> color;
   bool self_contact = true;
+  std::string typed_at; ///< ":line:column" of its shape in the scene's file; empty where it is not from one
 };
 
 /// An obstacle that particles may not enter.
@@ -97,6 +98,7 @@ struct Boundary {
   double friction = 0.0; ///< Coulomb coefficient where slip
   Motion motion;
   bool visible = true;
+  std::string typed_at; ///< as Body::typed_at
 };
 
 struct SimulationSettings {

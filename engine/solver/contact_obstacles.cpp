@@ -31,6 +31,16 @@ double bound_of(const Shape& shape) {
   }
 }
 
+DistanceGrid grid_of(const Scene& scene, const Boundary& boundary, double cell, bool measure_only) {
+  try {
+    const ShapeQuery query(boundary.shape, scene.file.parent_path());
+    return measure_only ? grid_around(query, cell) : make_distance_grid(query, cell);
+  } catch (const Error& error) {
+    throw Error(error.code(), scene.file.string() + boundary.typed_at + ": boundary '" + boundary.name +
+                                  "': " + error.what());
+  }
+}
+
 } // namespace
 
 Obstacles::Obstacles(const Scene& scene, double radius, double cell, bool measure_only) {
@@ -74,8 +84,7 @@ Obstacles::Obstacles(const Scene& scene, double radius, double cell, bool measur
     case Shape::Kind::mesh: {
       o.kind = OBSTACLE_MESH;
       o.axes.setIdentity(); // the grid lies along the world's axes before any motion
-      const ShapeQuery query(shape, scene.file.parent_path());
-      DistanceGrid grid = measure_only ? grid_around(query, cell) : make_distance_grid(query, cell);
+      DistanceGrid grid = grid_of(scene, boundary, cell, measure_only);
       const Vector3 half = cell / 2 * Vector3(grid.nodes[0] - 1, grid.nodes[1] - 1, grid.nodes[2] - 1);
       o.centre = grid.low + half;
       o.low = -half;

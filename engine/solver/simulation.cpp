@@ -310,6 +310,10 @@ std::vector<Vector3> Simulation::positions() {
   return world;
 }
 
+std::uint32_t Simulation::contacts_dropped() {
+  return contacts_ && step_ > 0 ? contacts_->overflow().contacts : 0;
+}
+
 std::vector<Vector3> Simulation::velocities() {
   const std::vector<Real4d> v = device_.download_real4(state_->velocity);
   std::vector<Vector3> result(v.size());

@@ -78,6 +78,8 @@ public:
   /// was.
   std::vector<Vector3> elastic_forces(const std::vector<Vector3>& positions);
   double elastic_energy(const std::vector<Vector3>& positions);
+  /// Contacts of the last step that found no room in their lists: they did not act. Waits for the device.
+  std::uint32_t contacts_dropped();
   /// FNV-1a of final positions and velocities as the device stores them, by id.
   std::string hash();
 
