@@ -109,7 +109,14 @@ Run::Run(const RunOptions& options, Scene scene) : options_(options), scene_(std
   frames_ =
       options.frames.value_or(static_cast<unsigned>(std::lround(scene_.simulation.end * scene_.output.fps)));
   steps_per_frame_ = static_cast<unsigned>(std::lround(1 / scene_.output.fps / simulation_->time_step()));
-  if (options.render) renderer_ = make_renderer(*device_, scene_, model_, field_label(scene_.render.color));
+  if (!options.render) return;
+  try {
+    renderer_ = make_renderer(*device_, scene_, model_, field_label(scene_.render.color));
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::no_device) throw;
+    throw Error(error.code(),
+                fmt::format("{}. Pictures need one, software will do; --no-render makes none", error.what()));
+  }
 }
 
 void Run::open_outputs() {
@@ -337,6 +344,9 @@ ExitCode Run::go() {
     }
   } catch (const Error& error) {
     if (error.code() == ExitCode::diverged) finish("diverged");
+    if (error.code() == ExitCode::input_output && frames_written_ > 0)
+      throw Error(error.code(), fmt::format("{}; frames 0 to {} in {} are intact", error.what(),
+                                            frames_written_ - 1, folder_.string()));
     throw;
   }
   finish(status);
