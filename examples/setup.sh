@@ -62,7 +62,9 @@ install_packages() {
     return
   fi
   local by_hand="apt-get update && apt-get install -y --no-install-recommends ${missing[*]}"
-  stage "Installing ${#missing[@]} packages: ${missing[*]}"
+  local noun=packages
+  if ((${#missing[@]} == 1)); then noun=package; fi
+  stage "Installing ${#missing[@]} $noun: ${missing[*]}"
   can_be_root || fail "packages are missing, and this is neither root nor a machine with sudo" \
     "Have someone run, as root:" "  $by_hand" "then run this again."
   update_package_lists
