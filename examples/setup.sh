@@ -97,7 +97,7 @@ fetch_meshes() {
     return
   fi
   stage "Fetching meshes: ${wanted[*]}"
-  local advice=("They come out of Debian's package libcgal-demo."
+  local advice=("The meshes come out of Debian's package libcgal-demo."
     "With network, run this again; or put the files into $pliant_meshes"
     "or into a folder that PLIANT_MESHES names.")
   mkdir -p "$pliant_meshes" || fail "cannot make the folder $pliant_meshes" "Set XDG_CACHE_HOME to one that can be written."
