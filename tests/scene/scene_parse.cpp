@@ -180,7 +180,8 @@ samples = 1
   EXPECT_EQ(json["body"][0]["deform"][1][2], 6);
   EXPECT_FALSE(json["body"][1]["shape"].contains("at"));
   EXPECT_EQ(json["boundary"][0]["condition"], "no-slip");
-  EXPECT_TRUE(json["boundary"][1]["end"].is_null()); // never
+  EXPECT_TRUE(json["boundary"][0]["end"].is_null()); // never
+  EXPECT_EQ(json["boundary"][1]["release"], true);
   EXPECT_EQ(json["render"]["camera"]["fov"], 50);
   EXPECT_TRUE(scene_to_json(parsed(small_scene))["render"]["camera"].is_null());
 }
