@@ -64,6 +64,7 @@ fi
 stage "Running the main job"
 code=0
 "$pliant_build/pliant" run "$pliant_root/examples/main-job.toml" --out "$out" ${extra[@]+"${extra[@]}"} || code=$?
+if ((code == 130 || code == 143)); then exit "$code"; fi # stopped on request, which it has said
 if ((code != 0)); then
   printf 'error: pliant run ended with code %d; its message is above\n' "$code" >&2
   if [[ -d "$out" ]]; then

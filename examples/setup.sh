@@ -9,8 +9,8 @@ pliant_meshes="${XDG_CACHE_HOME:-${HOME:?HOME is not set: set it, or XDG_CACHE_H
 # Names of Debian 12 packages. Ubuntu 24.04 has them too.
 pliant_program_packages=(
   g++ cmake ninja-build ccache pkg-config
-  libeigen3-dev libhdf5-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libfmt-dev libpng-dev
-  python3-glad libegl1 libgl1-mesa-dri libosmesa6 ffmpeg)
+  libeigen3-dev libsuitesparse-dev libhdf5-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libfmt-dev
+  libpng-dev python3-glad libegl1 libgl1-mesa-dri libosmesa6 ffmpeg)
 pliant_test_packages=(
   libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev python3-h5py python3-numpy glslang-tools
   clang-format clang-tidy libomp-dev git) # libomp-dev: clang-tidy's omp.h
@@ -62,7 +62,9 @@ install_packages() {
     return
   fi
   local by_hand="apt-get update && apt-get install -y --no-install-recommends ${missing[*]}"
-  stage "Installing ${#missing[@]} packages: ${missing[*]}"
+  local noun=packages
+  if ((${#missing[@]} == 1)); then noun=package; fi
+  stage "Installing ${#missing[@]} $noun: ${missing[*]}"
   can_be_root || fail "packages are missing, and this is neither root nor a machine with sudo" \
     "Have someone run, as root:" "  $by_hand" "then run this again."
   update_package_lists
@@ -95,7 +97,7 @@ fetch_meshes() {
     return
   fi
   stage "Fetching meshes: ${wanted[*]}"
-  local advice=("They come out of Debian's package libcgal-demo."
+  local advice=("The meshes come out of Debian's package libcgal-demo."
     "With network, run this again; or put the files into $pliant_meshes"
     "or into a folder that PLIANT_MESHES names.")
   mkdir -p "$pliant_meshes" || fail "cannot make the folder $pliant_meshes" "Set XDG_CACHE_HOME to one that can be written."

@@ -45,7 +45,11 @@ void prepare_output_folder(const fs::path& folder) {
 }
 
 void write_text_file(const fs::path& path, const std::string& text) {
-  const fs::path draft = path.string() + ".tmp";
+  std::error_code ignored;
+  const fs::file_status there = fs::status(path, ignored);
+  // A terminal, a pipe or /dev/null is written into: a rename would put a file in its place.
+  const bool direct = fs::exists(there) && !fs::is_regular_file(there);
+  const fs::path draft = direct ? path : fs::path(path.string() + ".tmp");
   const int file = ::open(draft.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (file < 0) fail("write", path, std::strerror(errno));
   int failure = 0;
@@ -57,9 +61,9 @@ void write_text_file(const fs::path& path, const std::string& text) {
       failure = errno;
   }
   if (::close(file) != 0 && failure == 0) failure = errno;
-  if (failure == 0 && ::rename(draft.c_str(), path.c_str()) != 0) failure = errno;
+  if (failure == 0 && !direct && ::rename(draft.c_str(), path.c_str()) != 0) failure = errno;
   if (failure == 0) return;
-  ::unlink(draft.c_str());
+  if (!direct) ::unlink(draft.c_str());
   fail("write", path, std::strerror(failure));
 }
 

@@ -1,5 +1,6 @@
 // A scene's bodies as particles: sampled, bonded, given materials, conditions and an initial state.
 #include "engine/core/error.h"
+#include "engine/core/memory.h"
 #include "engine/model/arrange.h"
 #include "engine/model/checks.h"
 #include "engine/model/initial_state.h"
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 namespace pliant {
@@ -29,6 +31,9 @@ const char* kind_name(Condition::Kind kind) {
   }
   return "unknown";
 }
+
+/// At the peak of assembling and running; measured at 450,000 particles on the CPU: 2.6 kB a particle.
+constexpr double bytes_a_bond = 100;
 
 /// Runs `work`; what it throws gets the place in front.
 template <class Work> auto located(const std::string& place, const Work& work) {
@@ -69,6 +74,7 @@ public:
     const Sampling sampling =
         located(place_, [&] { return sample(body_.shape, scene_.simulation.spacing, folder()); });
     for (const std::string& warning : sampling.warnings) model_.warnings.push_back(place_ + ": " + warning);
+    check_memory(sampling);
     place(sampling);
     check_sparse(sampling);
     set_materials(sampling);
@@ -85,7 +91,8 @@ public:
 
 private:
   static std::string place_of(const Scene& scene, std::uint32_t index) {
-    return fmt::format("{}: body '{}'", scene.file.string(), scene.bodies[index].name);
+    const Body& body = scene.bodies[index];
+    return fmt::format("{}{}: body '{}'", scene.file.string(), body.typed_at, body.name);
   }
 
   std::filesystem::path folder() const { return scene_.file.parent_path(); }
@@ -97,6 +104,18 @@ private:
     for (const Vector3& r : particles_.arrangement.reference)
       particles_.position.push_back(sampling.origin + sampling.axes * r);
     for (const Vector3& p : particles_.position) box_.extend(p);
+  }
+
+  /// Of the bodies so far and this one, to assemble and to run them.
+  void check_memory(const Sampling& sampling) const {
+    const double particles = static_cast<double>(model_.count() + sampling.reference.size());
+    const double neighbours = 4.0 / 3 * std::numbers::pi * std::pow(scene_.simulation.horizon, 3);
+    located(place_, [&] {
+      require_memory(
+          fmt::format("with this body the scene has {:.3g} particles of about {:.0f} neighbours and needs",
+                      particles, neighbours),
+          particles * neighbours * bytes_a_bond, available_memory(), model_.spacing);
+    });
   }
 
   void check_sparse(const Sampling& sampling) {
@@ -253,11 +272,11 @@ Model assemble(const Scene& scene) {
                    [&](std::uint32_t a, std::uint32_t b) { return builders[a].law() < builders[b].law(); });
   for (const std::uint32_t b : order) builders[b].build();
   number_through(model);
-  if (const std::optional<std::string> crossing = overlap(model)) {
-    if (!scene.allow_overlap)
-      throw Error(ExitCode::usage, fmt::format("{}: {}; move them apart, or allow \"overlap\"",
-                                               scene.file.string(), *crossing));
-    model.warnings.push_back(fmt::format("{}: {}", scene.file.string(), *crossing));
+  if (const std::optional<Overlap> found = overlap(model)) {
+    const std::string text =
+        fmt::format("{}{}: {}", scene.file.string(), scene.bodies[found->body].typed_at, found->text);
+    if (!scene.allow_overlap) throw Error(ExitCode::usage, text + "; move them apart, or allow \"overlap\"");
+    model.warnings.push_back(text);
   }
   return model;
 }

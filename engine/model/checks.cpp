@@ -101,7 +101,7 @@ std::optional<std::string> sparseness(const Bonds& bonds) {
   return fmt::format("has {} of {} particles with fewer than {} neighbours", few, count, fewest_neighbours);
 }
 
-std::optional<std::string> overlap(const Model& model) {
+std::optional<Overlap> overlap(const Model& model) {
   if (model.bodies.size() < 2) return std::nullopt;
   const Crossings crossings = find_crossings(model, closest * model.spacing);
   if (crossings.empty()) return std::nullopt;
@@ -116,7 +116,7 @@ std::optional<std::string> overlap(const Model& model) {
                   model.bodies[pair.first].name, model.bodies[pair.second].name,
                   crossing.depth(model.spacing), crossing.first, crossing.second, closest * model.spacing);
   if (crossings.size() > 1) text += fmt::format("; {} more pairs of bodies overlap", crossings.size() - 1);
-  return text;
+  return Overlap{pair.second, text};
 }
 
 } // namespace pliant

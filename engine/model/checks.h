@@ -11,8 +11,11 @@ namespace pliant {
 /// at least 8, of which at most a tenth have fewer than 4 neighbours.
 std::optional<std::string> sparseness(const Bonds& bonds);
 
-/// Bodies whose particles come closer than half a spacing at t = 0, as a sentence that names the deepest
-/// pair; nothing where none do.
-std::optional<std::string> overlap(const Model& model);
+struct Overlap {
+  std::uint32_t body; ///< the second of the deepest pair
+  std::string text;   ///< a sentence that names the pair
+};
+/// Bodies whose particles come closer than half a spacing at t = 0; nothing where none do.
+std::optional<Overlap> overlap(const Model& model);
 
 } // namespace pliant

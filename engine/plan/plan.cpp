@@ -90,7 +90,7 @@ public:
     if (plan_.pairs) kernels<kernels::line_restart::Args>();
     begin("diagonal preconditioner", plan_.method.preconditioner == "diagonal");
     kernels<kernels::precondition::Args>();
-    begin("multilevel preconditioner", plan_.method.preconditioner == "multilevel");
+    begin("preconditioner", plan_.method.preconditioner == "multilevel");
     if (active_) {
       plan_.hierarchy = std::make_shared<const Hierarchy>(build_hierarchy(scene_, model_));
       const MultilevelPlan needs =

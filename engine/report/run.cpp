@@ -64,6 +64,8 @@ std::string stop_name(StopReason reason) {
     return "tolerance";
   case StopReason::floor:
     return "floor";
+  case StopReason::stalled:
+    return "stalled";
   case StopReason::none:
   case StopReason::cap:
     break;
@@ -83,6 +85,7 @@ private:
   bool run_on(Progress& progress); ///< false: interrupted
   bool stretch(Progress& progress);
   void checkpoint();
+  void watch_contacts(Progress& progress);
   nlohmann::json record(const std::string& status) const;
   void print(const std::string& text) const;
   void finish(const std::string& status);
@@ -98,6 +101,7 @@ private:
   std::unique_ptr<RunOutputs> outputs_;
   CheckpointIdentity identity_;
   unsigned frames_ = 0, steps_per_frame_ = 1;
+  std::uint32_t contacts_dropped_ = 0; ///< the most at a frame
   std::optional<std::uint64_t> saved_step_; ///< of the last checkpoint
   double earlier_seconds_ = 0;              ///< of the run before it was resumed
   Clock::time_point start_ = Clock::now();
@@ -220,14 +224,27 @@ bool Run::stretch(Progress& progress) {
   return !rows.empty();
 }
 
+// Says once that contacts are dropped, and keeps the most.
+void Run::watch_contacts(Progress& progress) {
+  const std::uint32_t dropped = simulation_->contacts_dropped();
+  if (dropped > 0 && contacts_dropped_ == 0)
+    progress.say(
+        fmt::format("warning: {} contacts found no room (t = {:.4g} s) and do not act: more particles "
+                    "touch one than a body can pack; look for bodies that overlap, or for a body that "
+                    "is crushed",
+                    dropped, simulation_->time()));
+  contacts_dropped_ = std::max(contacts_dropped_, dropped);
+}
+
 bool Run::run_on(Progress& progress) {
   while (simulation_->steps() < last_step()) {
     if (!stretch(progress)) return false;
     if (simulation_->steps() % steps_per_frame_ != 0) continue;
     const auto frame = static_cast<unsigned>(simulation_->steps() / steps_per_frame_);
     outputs_->write_frame(frame);
+    watch_contacts(progress);
     const StatisticsRow& row = outputs_->rows().back();
-    progress.frame(frame, row.time, row.stopped == "floor" ? 0 : row.residual,
+    progress.frame(frame, row.time, row.stopped == "floor" || row.stopped == "stalled" ? 0 : row.residual,
                    static_cast<unsigned>(row.iterations));
     if (scene_.output.checkpoint_every > 0 && frame % scene_.output.checkpoint_every == 0) checkpoint();
   }
@@ -239,7 +256,7 @@ nlohmann::json Run::record(const std::string& status) const {
   std::vector<double> residuals, step_ms;
   const std::vector<std::string>& names = outputs_->components();
   std::vector<std::vector<double>> component_ms(names.size());
-  std::map<std::string, std::uint64_t> stopped{{"tolerance", 0}, {"floor", 0}, {"cap", 0}};
+  std::map<std::string, std::uint64_t> stopped{{"tolerance", 0}, {"floor", 0}, {"cap", 0}, {"stalled", 0}};
   for (const StatisticsRow& row : outputs_->rows()) {
     iterations.push_back(row.iterations);
     residuals.push_back(row.residual);
@@ -278,6 +295,12 @@ nlohmann::json Run::record(const std::string& status) const {
   j["divided_steps"] = guard_->divided_steps();
   j["peak_bytes"] = {{"host", static_cast<std::int64_t>(usage.ru_maxrss) * 1024},
                      {"device", device_->bytes_peak()}};
+  const Method& method = simulation_->plan().method;
+  j["solver"] = {{"method", method.name},
+                 {"preconditioner", method.preconditioner},
+                 {"reason", method.reason},
+                 {"stiffness_number", method.stiffness_number}};
+  j["contacts_dropped"] = std::max(contacts_dropped_, simulation_->contacts_dropped());
   j["hash"] = simulation_->hash();
   j["warnings"] = model_.warnings;
   j["scene"] = scene_to_json(scene_);
@@ -305,6 +328,10 @@ ExitCode Run::go() {
   if (std::abs(asked - taken) > 1e-9 * asked)
     say(fmt::format("time step {:.6g} s instead of {:.6g} s: {} whole steps make a frame", taken, asked,
                     steps_per_frame_));
+  const Method& method = simulation_->plan().method;
+  if (!method.reason.empty())
+    say(fmt::format("solver auto: {}{}{}, because {}", method.name, method.preconditioner.empty() ? "" : ", ",
+                    method.preconditioner, method.reason));
   const SignalGuard guard;
   if (!start()) return ExitCode::good;
   simulation_->measure(true);
@@ -315,6 +342,9 @@ ExitCode Run::go() {
     whole = run_on(progress);
   } catch (const Error& error) {
     if (error.code() == ExitCode::diverged) finish("diverged");
+    if (error.code() == ExitCode::input_output && outputs_->frames() > 0)
+      throw Error(error.code(), fmt::format("{}; frames 0 to {} in {} are intact", error.what(),
+                                            outputs_->frames() - 1, outputs_->folder().string()));
     throw;
   }
   finish(whole ? "finished" : "interrupted");

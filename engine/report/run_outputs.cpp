@@ -42,10 +42,18 @@ RunOutputs::RunOutputs(fs::path folder, const Scene& scene, const Model& model, 
     : folder_(std::move(folder)), scene_(scene), model_(model), simulation_(simulation), video_(video) {
   const Plan& plan = simulation.plan();
   components_ = {"motion", "elasticity", "solver"}; // as step.cpp books them
-  for (const char* component : {"boundaries", "contacts", "momentum", "statistics", "divergence"})
+  for (const char* component :
+       {"preconditioner", "direct", "boundaries", "contacts", "momentum", "statistics", "divergence"})
     if (std::find(plan.used.begin(), plan.used.end(), component) != plan.used.end())
       components_.emplace_back(component);
-  if (pictures) renderer_ = make_renderer(simulation.device(), scene, model, field_label(scene.render.color));
+  if (!pictures) return;
+  try {
+    renderer_ = make_renderer(simulation.device(), scene, model, field_label(scene.render.color));
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::no_device) throw;
+    throw Error(error.code(),
+                fmt::format("{}. Pictures need one, software will do; --no-render makes none", error.what()));
+  }
 }
 
 std::vector<BodyOutput> RunOutputs::blocks() const {

@@ -2,6 +2,7 @@
 #include "engine/scene/sample.h"
 
 #include "engine/core/error.h"
+#include "engine/core/memory.h"
 #include "engine/scene/shape.h"
 
 #include <algorithm>
@@ -11,8 +12,9 @@
 namespace pliant {
 namespace {
 
-constexpr double whole = 1e-6;     // cells; a side this near to a whole number of spacings is one
-constexpr double most_cells = 4e9; // of the lattice over the shape's box, one byte each
+constexpr double whole = 1e-6;       // cells; a side this near to a whole number of spacings is one
+constexpr double bytes_a_point = 48; // in Sampling: two vectors
+constexpr double most_cells = 4e9;   // of the lattice over the shape's box, one byte each
 
 /// Lattice over the box of a shape: point (i + shift) * spacing along each axis, i from `first`, `count` of
 /// them. Where a side holds an even number of cells no point lies at its middle, hence the shift by half a
@@ -148,6 +150,9 @@ Sampling sample(const Shape& shape, double spacing, const std::filesystem::path&
         fmt::format(
             "{}: about {:.2g} particles at a spacing of {} m; their numbers have 32 bits. Raise the spacing",
             name_of(shape), sampling.volume / spacing / spacing / spacing, spacing));
+  const double estimate = sampling.volume / spacing / spacing / spacing;
+  require_memory(fmt::format("{}: about {:.2g} particles need at least", name_of(shape), estimate),
+                 lattice.size() + bytes_a_point * estimate, available_memory(), spacing);
   const std::vector<std::uint8_t> inside = fill(placed, query ? &*query : nullptr, lattice);
 
   sampling.axes = placed.axes;

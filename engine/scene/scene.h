@@ -42,7 +42,7 @@ struct Motion {
   double rate = 0;                    ///< rad/s
   double start = 0;                   ///< s
   double end = 1e300;                 ///< s; it stands still afterwards
-  std::optional<bool> release;        ///< free the particles at `end` instead
+  std::optional<bool> release;        ///< instead, at `end`, particles are set free and an obstacle is gone
 };
 
 struct Material {
@@ -86,6 +86,7 @@ struct Body {
   std::string start = ""; ///< "", "flat" (onto the plane x = c), "line", "point", "random", "mirror"
   std::optional<Vector3> color;
   bool self_contact = true;
+  std::string typed_at; ///< ":line:column" of its shape in the scene's file; empty where it is not from one
 };
 
 /// An obstacle that particles may not enter.
@@ -97,6 +98,7 @@ struct Boundary {
   double friction = 0.0; ///< Coulomb coefficient where slip
   Motion motion;
   bool visible = true;
+  std::string typed_at; ///< as Body::typed_at
 };
 
 struct SimulationSettings {

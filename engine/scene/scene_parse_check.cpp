@@ -131,6 +131,9 @@ void check_moved(const TomlValue& value, const Motion& motion, const std::string
 void check_boundary(const TomlValue& value, const Boundary& boundary, const std::string& path,
                     Findings& findings) {
   check_times(value, boundary.motion.start, boundary.motion.end, path, findings);
+  if (boundary.motion.release.value_or(false) && !value.find("end"))
+    findings.add(value.find("release")->where,
+                 fmt::format("{}.release needs {}.end: the obstacle is taken away then", path, path));
   if (const TomlValue* friction = value.find("friction"); friction && !boundary.slip)
     findings.add(
         friction->key_where,
@@ -208,6 +211,13 @@ void check_reference(const TomlValue& table, const std::string& path,
                                            in_quotes(typed->text), suggestion(typed->text, materials)));
 }
 
+/// Where the shape of a body or an obstacle was typed, for faults that are found once meshes are read.
+std::string place_of_shape(const TomlValue& value) {
+  const TomlValue* shape = value.find("shape");
+  if (!shape || shape->where.override_index >= 0) return "";
+  return fmt::format(":{}:{}", shape->where.line, shape->where.column);
+}
+
 } // namespace
 
 void check_table(const schema::Table& table, const TomlValue& value, void* object, const std::string& path,
@@ -225,14 +235,17 @@ void check_table(const schema::Table& table, const TomlValue& value, void* objec
     check_times(value, condition.start, condition.end, path, findings);
   } else if (&table == &schema::boundary_table()) {
     check_boundary(value, *static_cast<Boundary*>(object), path, findings);
+    static_cast<Boundary*>(object)->typed_at = place_of_shape(value);
   } else if (&table == &schema::camera_table()) {
     check_camera(value, *static_cast<Camera*>(object), path, findings);
   } else if (&table == &schema::render_table()) {
     check_render(value, *static_cast<RenderSettings*>(object), path, findings);
-  } else if (&table == &schema::body_table() &&
-             static_cast<Body*>(object)->shape.kind == Shape::Kind::plane) {
-    findings.add(value.find("shape")->where,
-                 fmt::format("{}.shape: a plane encloses nothing to fill with particles", path));
+  } else if (&table == &schema::body_table()) {
+    Body& body = *static_cast<Body*>(object);
+    body.typed_at = place_of_shape(value);
+    if (body.shape.kind == Shape::Kind::plane)
+      findings.add(value.find("shape")->where,
+                   fmt::format("{}.shape: a plane encloses nothing to fill with particles", path));
   }
 }
 

@@ -428,11 +428,15 @@ const Table& boundary_table() {
         .unit = "s",
         .range = not_negative},
        {.name = "end",
-        .meaning = "when its motion ends; by default never",
+        .meaning = "when its motion ends, or it is taken away; by default never",
         .slot = at<&B::motion, &Motion::end>,
         .unit = "s",
         .range = positive,
         .example = "2.0"},
+       {.name = "release",
+        .meaning = "take the obstacle away at the end",
+        .slot = at<&B::motion, &Motion::release>,
+        .example = "false"},
        {.name = "visible", .meaning = "is drawn", .slot = at<&B::visible>}},
       std::make_shared<B>()};
   return table;

@@ -38,8 +38,10 @@ double grid_cell(const Scene& scene) {
   return scene.simulation.spacing;
 }
 
+// In the table of obstacles something changes with time.
 bool moves(const Boundary& boundary) {
-  return boundary.motion.rate != 0 || !boundary.motion.velocity.isZero(0);
+  const Motion& motion = boundary.motion;
+  return motion.rate != 0 || !motion.velocity.isZero(0) || motion.release.value_or(false);
 }
 
 } // namespace

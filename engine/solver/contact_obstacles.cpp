@@ -31,6 +31,16 @@ double bound_of(const Shape& shape) {
   }
 }
 
+DistanceGrid grid_of(const Scene& scene, const Boundary& boundary, double cell, bool measure_only) {
+  try {
+    const ShapeQuery query(boundary.shape, scene.file.parent_path());
+    return measure_only ? grid_around(query, cell) : make_distance_grid(query, cell);
+  } catch (const Error& error) {
+    throw Error(error.code(), scene.file.string() + boundary.typed_at + ": boundary '" + boundary.name +
+                                  "': " + error.what());
+  }
+}
+
 } // namespace
 
 Obstacles::Obstacles(const Scene& scene, double radius, double cell, bool measure_only) {
@@ -74,8 +84,7 @@ Obstacles::Obstacles(const Scene& scene, double radius, double cell, bool measur
     case Shape::Kind::mesh: {
       o.kind = OBSTACLE_MESH;
       o.axes.setIdentity(); // the grid lies along the world's axes before any motion
-      const ShapeQuery query(shape, scene.file.parent_path());
-      DistanceGrid grid = measure_only ? grid_around(query, cell) : make_distance_grid(query, cell);
+      DistanceGrid grid = grid_of(scene, boundary, cell, measure_only);
       const Vector3 half = cell / 2 * Vector3(grid.nodes[0] - 1, grid.nodes[1] - 1, grid.nodes[2] - 1);
       o.centre = grid.low + half;
       o.low = -half;
@@ -101,6 +110,12 @@ std::vector<Real4<double>> Obstacles::table(double begin, double end, const Vect
   std::vector<Real4<double>> rows(std::size_t{OBSTACLES} * OBSTACLE_ROWS);
   Real4<double>* row = rows.data();
   for (const Obstacle& o : obstacles_) {
+    if (released(o.motion, end)) { // a ball of no size where nothing is
+      row[OBSTACLE_KIND] = {OBSTACLE_SPHERE, 0, 0, 0};
+      row[OBSTACLE_CENTRE] = {everywhere, 0, 0, 0};
+      row += OBSTACLE_ROWS;
+      continue;
+    }
     const RigidMap before = motion_at(o.motion, begin), after = motion_at(o.motion, end);
     const Vector3 centre = after(o.centre);
     const Matrix3 axes = after.rotation * o.axes;

@@ -23,7 +23,7 @@ public:
   bool meshes() const { return grid_nodes_ > 0; }
   std::size_t grid_nodes() const { return grid_nodes_; }
   /// Rows for the table `obstacle`: places at `end`, relative to `origin` (m, world), displacements since
-  /// `begin`, s.
+  /// `begin`, s. An obstacle that its motion has released by `end` touches nothing.
   std::vector<Real4<double>> table(double begin, double end, const Vector3& origin) const;
   /// The table `grid`, and the distances of all grids, one after the other, m; given away.
   std::vector<std::uint32_t> grid_table() const;

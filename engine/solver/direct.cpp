@@ -2,6 +2,7 @@
 #include "engine/solver/direct.h"
 
 #include "engine/core/error.h"
+#include "engine/core/memory.h"
 #include "engine/solver/state.h"
 #include "shaders/common/solver.glsl"
 
@@ -11,7 +12,6 @@
 #endif
 
 #include <fmt/format.h>
-#include <fstream>
 
 namespace pliant {
 
@@ -32,15 +32,6 @@ public:
   double entries() const { return m_nonZerosPerCol.template cast<double>().sum(); }
 };
 #endif
-
-/// Bytes that can be had without swapping; 0 where the system does not say.
-double available_memory() {
-  std::ifstream file("/proc/meminfo");
-  std::string name;
-  for (double kibibytes = 0; file >> name >> kibibytes; file.ignore(256, '\n'))
-    if (name == "MemAvailable:") return 1024 * kibibytes;
-  return 0;
-}
 
 } // namespace
 

@@ -16,6 +16,12 @@ struct RigidMap {
   Vector3 operator()(const Vector3& x) const { return rotation * x + shift; }
 };
 
+/// Whether what the motion moved is free of it by time t: particles move on by themselves, an obstacle is
+/// gone.
+inline bool released(const Motion& motion, double time) {
+  return motion.release.value_or(false) && time > motion.end;
+}
+
 /// Where a motion has carried things by time t: it starts at `start` and stands still after `end`.
 inline RigidMap motion_at(const Motion& motion, double time) {
   const double elapsed = std::max(std::min(time, motion.end) - motion.start, 0.0);

@@ -17,7 +17,7 @@ namespace pliant {
 
 namespace {
 
-constexpr const char* component = "multilevel preconditioner";
+constexpr const char* component = "preconditioner";
 /// Of block Jacobi. From about .5 on the cycle is no longer positive definite.
 constexpr double relaxation = 0.45;
 

@@ -220,7 +220,7 @@ void Simulation::gather_held(double time) {
   std::vector<Real4d> starts;
   for (const Held& held : model_.held) {
     const Motion& motion = model_.motions[held.motion];
-    if (motion.release.value_or(false) && time > motion.end) continue;
+    if (released(motion, time)) continue;
     entries.insert(entries.end(), {held.particle, held.motion});
     starts.push_back(pack(model_.position[held.particle] - scene_origin_));
   }
@@ -237,6 +237,10 @@ std::vector<Vector3> Simulation::positions() {
   for (std::size_t i = 0; i < y.size(); ++i)
     world[i] = scene_origin_ + unpack(o[model_.body[i]]) + unpack(y[i]);
   return world;
+}
+
+std::uint32_t Simulation::contacts_dropped() {
+  return contacts_ && step_ > 0 ? contacts_->overflow().contacts : 0;
 }
 
 std::vector<Vector3> Simulation::velocities() {

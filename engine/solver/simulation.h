@@ -21,7 +21,8 @@ class FrameOutput;
 struct SavedState;
 struct SimulationState;
 
-enum class StopReason : std::uint8_t { none, tolerance, floor, cap };
+/// stalled: a line search found no descent that the precision can tell.
+enum class StopReason : std::uint8_t { none, tolerance, floor, cap, stalled };
 
 /// One step's row.
 struct StepStatistics {
@@ -102,6 +103,8 @@ public:
   /// was.
   std::vector<Vector3> elastic_forces(const std::vector<Vector3>& positions);
   double elastic_energy(const std::vector<Vector3>& positions);
+  /// Contacts of the last step that found no room in their lists: they did not act. Waits for the device.
+  std::uint32_t contacts_dropped();
   /// FNV-1a of final positions and velocities as the device stores them, by id.
   std::string hash();
 

@@ -142,6 +142,42 @@ TEST_P(Boundaries, MovingObstacleIsWhereItsMotionTakesItAndStops) {
   EXPECT_NEAR(at(5), 1000 * 1.55, 5000 * epsilon); // stands at 2
 }
 
+// A gate that stands still, and a floor that has risen: both are gone after their end, for points anywhere,
+// and no earlier.
+TEST_P(Boundaries, ReleasedObstacleIsGoneAfterItsEnd) {
+  for (const Shape::Kind kind : {Shape::Kind::plane, Shape::Kind::sphere, Shape::Kind::box})
+    for (const double speed : {0.0, 0.01}) {
+      SCOPED_TRACE("kind " + std::to_string(int(kind)) + ", speed " + std::to_string(speed));
+      World world;
+      Shape shape = shape_of(kind);
+      shape.at = {0, 0, 0};
+      shape.normal = {0, 1, 0};
+      shape.offset = 0.02;
+      world.add_boundary(shape, false, 0.5);
+      world.add_boundary(floor_shape()); // stays, far below
+      world.scene.boundaries[1].shape.offset = -0.04;
+      Motion& motion = world.scene.boundaries[0].motion;
+      motion.velocity = {0, speed, 0};
+      motion.end = 2;
+      motion.release = true;
+      world.add({0, 0, 0}); // the very centre of the sphere and of the box
+      world.add({0.01, 0.02, -0.03}, {0.001, 0, 0});
+      world.add({0, -0.05, 0}); // 0.06 below the other floor's reach
+      Bench bench(*device, world);
+      const auto at = [&](double time) {
+        bench.contacts.begin_step(time - world.step, world.step, bench.state);
+        return bench.forces();
+      };
+      EXPECT_GT(vector_of(at(1.5)[1]).norm(), 1);
+      EXPECT_GT(vector_of(at(2.0)[1]).norm(), 1); // acts to its end
+      const auto after = at(2.0 + world.step);
+      EXPECT_EQ(bench.touched(), (std::vector<std::uint32_t>{1, 0, 1}));
+      EXPECT_NEAR(after[0].y, 1000 * 0.01, 200 * epsilon); // the floor that stays
+      EXPECT_EQ(vector_of(after[1]).norm(), 0);
+      EXPECT_NEAR(after[2].y, 1000 * 0.06, 200 * epsilon);
+    }
+}
+
 // Far displacement and small change: a step of 1e-7 m at y = 0.8 m changes the force by k 1e-7, not by a
 // rounding.
 TEST_P(Boundaries, SmallDisplacementsKeepTheirDigits) {

@@ -8,11 +8,13 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <fcntl.h>
 #include <fstream>
 #include <sstream>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 using namespace pliant;
 using pliant::test::ScratchFolder;
@@ -136,6 +138,35 @@ TEST(TextFile, IsReplacedWholeAndLeavesNoDraft) {
   EXPECT_EQ(files, 1u);
   EXPECT_THROW(write_text_file(folder.path / "no" / "where", "x"), Error);
   EXPECT_THROW(read_text_file(folder.path / "missing"), Error);
+}
+
+// `--json /dev/null` as root must not put a file in the device's place.
+TEST(TextFile, APipeIsWrittenIntoAndStays) {
+  ScratchFolder folder;
+  const auto path = folder.path / "pipe";
+  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+  const int reader = ::open(path.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  write_text_file(path, "through");
+  char text[16] = {};
+  EXPECT_EQ(::read(reader, text, sizeof text), 7);
+  EXPECT_STREQ(text, "through");
+  ::close(reader);
+  EXPECT_TRUE(std::filesystem::is_fifo(path));
+  EXPECT_FALSE(std::filesystem::exists(path.string() + ".tmp"));
+}
+
+TEST(TextFile, AFullDeviceIsSaidAndStays) {
+  const std::filesystem::path full = "/dev/full";
+  if (!std::filesystem::is_character_file(full)) GTEST_SKIP() << "no /dev/full here";
+  try {
+    write_text_file(full, "x");
+    ADD_FAILURE() << "it was written";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::input_output);
+    EXPECT_THAT(error.what(), HasSubstr("No space left on device"));
+  }
+  EXPECT_TRUE(std::filesystem::is_character_file(full));
 }
 
 TEST(TextFile, AFullDiskLeavesTheOldText) {

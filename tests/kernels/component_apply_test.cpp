@@ -10,7 +10,7 @@ namespace {
 
 PLIANT_ON_EVERY_DEVICE(ComponentApply);
 
-constexpr double limit = 10; // two cross products and three sums; 1 seen
+constexpr double limit = 3; // two cross products and three sums: five roundings of half an epsilon; 0.6 seen
 
 TEST_P(ComponentApply, Formula) {
   const ComponentProblem p({1, 15, 17, 127, 129, 1000}, kernel_seed + 33, 0.01, 0.02);

@@ -7,7 +7,9 @@ namespace {
 
 PLIANT_ON_EVERY_DEVICE(CorotatedForce);
 
-constexpr double limit = 15; // sums of up to 52 products; 2 seen
+// A term takes four roundings of half an epsilon of itself, so two; terms of both signs keep the running sum,
+// and its roundings, well below the sum of magnitudes that is the scale. 0.4 seen.
+constexpr double limit = 2;
 
 struct Problem {
   BondProblem p;

@@ -8,8 +8,10 @@ namespace {
 
 PLIANT_ON_EVERY_DEVICE(ProjectiveForce);
 
-// Sums of up to 52 terms; F xi cancels where F is nearly singular, so its own terms are in the scale. 2 seen.
-constexpr double limit = 15;
+// A direction takes three roundings (a driver's sqrt may be wrong by two epsilon) of x, a share of at most a
+// half of the scale: 1.5; the products and the sum add one. F xi cancels where F is nearly singular, so its
+// own terms are in the scale. 0.5 seen.
+constexpr double limit = 2.5;
 
 struct Problem {
   BondProblem p;

@@ -203,6 +203,16 @@ TEST(Picture, MovingBoundaryMoves) {
   keep(later, "test-boundary2");
   EXPECT_NE(start.pixels, later.pixels);
   EXPECT_EQ(later.pixels, after.pixels); // its motion has ended
+  // Released, it is drawn to its end, and then as if it had never been.
+  show.scene.boundaries.back().motion.release = true;
+  const auto releasing = show.renderer();
+  const Image to_the_end = releasing->draw(*show.device, show.state(2)),
+              gone = releasing->draw(*show.device, show.state(2.01));
+  keep(gone, "test-boundary-gone");
+  EXPECT_EQ(to_the_end.pixels, later.pixels);
+  const Vector3 inside = stage.view.project({-0.6, 0.55, 0.3}, 320, 240);
+  EXPECT_NE(pixel(gone, inside.x(), inside.y()), pixel(later, inside.x(), inside.y()));
+  EXPECT_EQ(pixel(gone, inside.x(), inside.y()), pixel(start, inside.x(), inside.y()));
   // A side of the box is coloured otherwise than the floor that is seen once it has gone, and the other way
   // round.
   for (const auto& [y, first, second] :

@@ -174,6 +174,7 @@ TEST(SceneErrors, ConditionsAndObstacles) {
               HasSubstr("must be after its start"));
   EXPECT_THAT(body("[[body.moved]]\nregion={sphere=1}\nrelease=true\n"),
               HasSubstr("needs body.0.moved.0.end"));
+  EXPECT_THAT(body("[[boundary]]\nshape={sphere=1}\nrelease=true\n"), HasSubstr("needs boundary.0.end"));
   EXPECT_THAT(body("[[body.moved]]\nregion={sphere=1}\nrotation={axis=[0,0,0],rate_degrees=1}\n"),
               HasSubstr("s.toml:11:16: body.0.moved.0.rotation.axis = [0, 0, 0] has no direction"));
   EXPECT_THAT(body("[[body.loaded]]\nregion={sphere=1}\n"), HasSubstr("lacks 'force'"));

@@ -89,6 +89,8 @@ shape = { sphere = 1 }
 friction = 0.5
 inside = true
 velocity = [0, 1, 0]
+end = 2
+release = true
 visible = false
 [output]
 fps = 24
@@ -154,6 +156,9 @@ samples = 1
   EXPECT_TRUE(scene.boundaries[1].slip);
   EXPECT_TRUE(scene.boundaries[1].inside);
   EXPECT_FALSE(scene.boundaries[1].visible);
+  EXPECT_EQ(scene.boundaries[1].motion.end, 2);
+  EXPECT_EQ(scene.boundaries[1].motion.release, true);
+  EXPECT_FALSE(scene.boundaries[0].motion.release.has_value());
   EXPECT_THAT(scene.output.fields, ElementsAre("strain", "velocity"));
   EXPECT_FALSE(scene.output.data);
   EXPECT_TRUE(scene.render.given);
@@ -175,7 +180,8 @@ samples = 1
   EXPECT_EQ(json["body"][0]["deform"][1][2], 6);
   EXPECT_FALSE(json["body"][1]["shape"].contains("at"));
   EXPECT_EQ(json["boundary"][0]["condition"], "no-slip");
-  EXPECT_TRUE(json["boundary"][1]["end"].is_null()); // never
+  EXPECT_TRUE(json["boundary"][0]["end"].is_null()); // never
+  EXPECT_EQ(json["boundary"][1]["release"], true);
   EXPECT_EQ(json["render"]["camera"]["fov"], 50);
   EXPECT_TRUE(scene_to_json(parsed(small_scene))["render"]["camera"].is_null());
 }

@@ -14,6 +14,7 @@
 #include "backends/gl/shader_text.h"
 #include "engine/core/error.h"
 #include "engine/scene/sample.h"
+#include "engine/solver/motion.h"
 
 #include <Eigen/Geometry>
 #include <glad/gl.h>
@@ -142,6 +143,10 @@ public:
     Box casters = measure(particles, meshes ? vertices : 0, runs);
     std::vector<Eigen::Matrix4d> motions;
     for (const Obstacle& one : assets_->obstacles) {
+      if (released(one.motion, state.time)) { // gone: drawn nowhere
+        motions.emplace_back(Eigen::Matrix4d::Zero());
+        continue;
+      }
       motions.push_back(motion_matrix(one.motion, state.time));
       const Box box = moved(one.box, motions.back());
       if (!one.inside) casters.add(box);

@@ -86,6 +86,10 @@ Box GlRenderer::measure(GLuint particles, GLuint vertices, const std::vector<Run
 std::vector<Eigen::Vector4d> GlRenderer::planes_at(double time) const {
   std::vector<Eigen::Vector4d> planes;
   for (const Plane& plane : planes_) {
+    if (released(plane.motion, time)) { // gone: keeps its index, and every eye is behind it
+      planes.emplace_back(0, 1, 0, 1e30);
+      continue;
+    }
     const Eigen::Matrix4d motion = motion_matrix(plane.motion, time);
     const Vector3 normal = motion.topLeftCorner<3, 3>() * plane.normal;
     const Vector3 point = (motion * Vector3(plane.offset * plane.normal).homogeneous()).head<3>();
@@ -124,6 +128,7 @@ void GlRenderer::draw_surfaces(GLuint program, bool shadow, bool meshes,
   gl().Uniform1i(field, 0);
   for (std::size_t i = 0; i < assets_->obstacles.size(); ++i) {
     const Obstacle& one = assets_->obstacles[i];
+    if (motions[i].isZero(0)) continue; // gone
     if (shadow && one.inside) continue; // it would shut the sun out
     set_move(motions[i].cast<float>());
     if (one.inside) { // only walls that are seen from inside
