@@ -1,0 +1,205 @@
+// The elastic figures of He, Wang and Wu, "Projective Peridynamics for Modeling Versatile Elastoplastic
+// Materials" (2018), from the scenes in examples/, sampled more coarsely: each with the check that makes its
+// point.
+#include "engine/scene/mesh.h"
+#include "engine/scene/scene_parse.h"
+#include "tests/support/bodies.h"
+
+#include <Eigen/SVD>
+
+#include <filesystem>
+
+namespace pliant::test {
+namespace {
+
+/// A scene of examples/ with keys set anew.
+Scene example(const std::string& name, const std::vector<std::string>& overrides) {
+  return read_scene(std::filesystem::path(PLIANT_SOURCE_DIR) / "examples" / (name + ".toml"), overrides);
+}
+
+bool has_mesh(const Scene& scene) {
+  try {
+    find_mesh(scene.bodies[0].shape.mesh, scene.file.parent_path());
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+Vector3 centre(const Points& points) {
+  Vector3 sum = Vector3::Zero();
+  for (const Vector3& p : points) sum += p;
+  return sum / static_cast<double>(points.size());
+}
+
+/// The rotation that lays b on a best (Kabsch 1976), both about their centres.
+Matrix3 best_rotation(const Points& a, const Points& b) {
+  const Vector3 ca = centre(a), cb = centre(b);
+  Matrix3 s = Matrix3::Zero();
+  for (std::size_t i = 0; i < a.size(); ++i) s += (a[i] - ca) * (b[i] - cb).transpose();
+  const Eigen::JacobiSVD<Matrix3> svd(s, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const double sign = determinant(svd.matrixU() * svd.matrixV().transpose()) < 0 ? -1 : 1;
+  return svd.matrixU() * Vector3(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
+}
+
+/// Root of the mean square distance between two shapes laid on each other.
+double shape_distance(const Points& a, const Points& b) {
+  const Vector3 ca = centre(a), cb = centre(b);
+  const Matrix3 r = best_rotation(a, b);
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - ca - r * (b[i] - cb)).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+double upright_share(const Model& model, const Points& y) {
+  double count = 0;
+  for (std::uint32_t i = 0; i < y.size(); ++i) count += determinant(deformation_gradient(model, y, i)) > 0;
+  return count / static_cast<double>(y.size());
+}
+
+double diagonal(const Points& points) {
+  Vector3 low = points[0], high = low;
+  for (const Vector3& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  return (high - low).norm();
+}
+
+Points run(Device& device, const Scene& scene, const Model& model) {
+  Simulation simulation(device, scene, model);
+  const auto steps = std::lround(scene.simulation.end / simulation.time_step());
+  for (long k = 0; k < steps; ++k) simulation.step();
+  return simulation.positions();
+}
+
+const DeviceChoice precisions[] = {{"openmp_double", "openmp", Precision::double_precision},
+                                   {"openmp_float", "openmp", Precision::single_precision}};
+class Figure : public OnEachDevice {};
+
+// Fig. 1. The tip of each run, fitted by the recurrence that implicit Euler makes of one mode that hangs at
+// depth d,
+//   z(n) - 2 z(n-1) + z(n-2) = omega^2 h^2 (d - z(n)),
+// which takes the integrator's own damping out: what is left, frequency and depth, is the body's.
+struct Mode {
+  double frequency = 0, depth = 0; // rad/s, m
+};
+
+Mode fit_mode(const std::vector<double>& z, double h) {
+  double aa = 0, ab = 0, bb = 0, ar = 0, br = 0; // least squares: curvature = a * 1 - b * z
+  for (std::size_t n = 2; n < z.size(); ++n) {
+    const double curvature = (z[n] - 2 * z[n - 1] + z[n - 2]) / (h * h);
+    aa += 1, ab -= z[n], bb += z[n] * z[n], ar += curvature, br -= curvature * z[n];
+  }
+  const double determinant = aa * bb - ab * ab;
+  const double a = (ar * bb - ab * br) / determinant, b = (aa * br - ab * ar) / determinant;
+  return {std::sqrt(b), a / b};
+}
+
+TEST_P(Figure, ABeamBendsTheSameAtThreeTimeSteps) {
+  const auto open = device();
+  for (const char* step : {"0.001", "0.004", "0.016"}) {
+    const Scene scene = example("beam", {std::string("simulation.time_step=") + step});
+    const Model model = assemble(scene);
+    std::vector<std::size_t> tip;
+    double end = 0;
+    for (const Vector3& p : model.position) end = std::max(end, p.x());
+    for (std::size_t i = 0; i < model.count(); ++i)
+      if (model.position[i].x() > end - 0.5 * model.spacing) tip.push_back(i);
+    Simulation simulation(*open, scene, model);
+    std::vector<double> z{0};
+    double deepest = 0, when = 0;
+    while (simulation.time() < scene.simulation.end - 1e-9) {
+      simulation.step();
+      const Points y = simulation.positions();
+      double sum = 0;
+      for (const std::size_t i : tip) sum += model.position[i].y() - y[i].y();
+      z.push_back(sum / static_cast<double>(tip.size()));
+      if (z.back() > deepest) deepest = z.back(), when = simulation.time();
+    }
+    const Mode mode = fit_mode(z, simulation.time_step());
+    report(std::string("h ") + step + " frequency", mode.frequency);
+    report("depth", mode.depth);
+    report("deepest", deepest);
+    report("when", when);
+    report("last", z.back());
+  }
+}
+
+// Fig. 3.
+TEST_P(Figure, ABunnyFlattenedToAPlaneRecovers) {
+  const Scene scene = example("bunny", {"simulation.spacing=0.05"});
+  if (!has_mesh(scene)) GTEST_SKIP() << "bunny00.off is not on this machine";
+  const Model model = assemble(scene);
+  const double size = diagonal(model.reference);
+  Vector3 spread = Vector3::Zero();
+  for (const Vector3& p : model.position) spread = spread.cwiseMax((p - model.position[0]).cwiseAbs());
+  expect_below("start: thickness, of the bunny's size", spread.x() / size, 1e-12);
+  report("start: distance from the shape at rest, of the size",
+         shape_distance(model.position, model.reference) / size);
+  const auto open = device();
+  const Points y = run(*open, scene, model);
+  report("particles", static_cast<double>(y.size()));
+  expect_below("end: distance from the shape at rest, of the size", shape_distance(y, model.reference) / size,
+               1e-3);
+  expect_above("end: share with det F > 0", upright_share(model, y), 0.99);
+}
+
+// Fig. 4, the inverted regions.
+TEST_P(Figure, AnArmadilloRecoversFromInvertedRegions) {
+  const Scene scene = example("armadillo", {"simulation.spacing=0.035"});
+  if (!has_mesh(scene)) GTEST_SKIP() << "armadillo.off is not on this machine";
+  const Model model = assemble(scene);
+  const double size = diagonal(model.reference);
+  expect_below("start: share with det F > 0", upright_share(model, model.position), 0.7);
+  report("start: distance from the shape at rest, of the size",
+         shape_distance(model.position, model.reference) / size);
+  const auto open = device();
+  const Points y = run(*open, scene, model);
+  report("particles", static_cast<double>(y.size()));
+  expect_below("end: distance from the shape at rest, of the size", shape_distance(y, model.reference) / size,
+               1e-3);
+  expect_above("end: share with det F > 0", upright_share(model, y), 0.99);
+}
+
+// Fig. 4, the Poisson effect: what is pulled along d narrows across it by Poisson's ratio. Where nothing but
+// forces along d act, the mean stress across d is (1/V) sum of t (x) x, zero, whatever the body's shape; so
+// for small strains the mean of the strain across is exactly -nu times that along. Head and feet are pulled
+// along the line through their centres, so that nothing turns the body.
+TEST(Figure, APulledArmadilloNarrowsAsItsRatioSays) {
+  for (const char* poisson : {"0", "0.2", "0.45"}) {
+    Scene scene = example("armadillo", {"simulation.spacing=0.035", "body.armadillo.deformed=[]",
+                                        std::string("materials.rubber.poisson=") + poisson});
+    if (!has_mesh(scene)) GTEST_SKIP() << "armadillo.off is not on this machine";
+    Points head, feet;
+    for (const Vector3& p : assemble(scene).position) {
+      if (p.y() > 0.85) head.push_back(p);
+      if (p.y() < 0.2) feet.push_back(p);
+    }
+    const Vector3 along = (centre(head) - centre(feet)).normalized();
+    for (const bool up : {true, false}) {
+      Condition pull;
+      pull.kind = Condition::Kind::loaded;
+      pull.region.kind = Shape::Kind::plane;
+      pull.region.normal = Vector3(0, up ? -1 : 1, 0);
+      pull.region.offset = up ? -0.85 : 0.2;
+      pull.force = (up ? 1.0 : -1.0) * along;
+      scene.bodies[0].conditions.push_back(pull);
+    }
+    Stage stage(lattice(3, 3, 3, 1), 1, scene.materials[0], 1); // replaced by the armadillo
+    stage.scene = scene;
+    stage.model = assemble(scene);
+    const auto open = open_double();
+    Simulation simulation(*open, stage.scene, stage.model);
+    const Points y = static_solution(simulation, stage, 1);
+    Matrix3 mean = Matrix3::Zero();
+    for (std::uint32_t i = 0; i < y.size(); ++i)
+      mean += (deformation_gradient(stage.model, y, i) - Matrix3::Identity()) / static_cast<double>(y.size());
+    const double stretch = along.dot(mean * along), narrowing = (mean.trace() - stretch) / -2;
+    report(std::string("ratio typed ") + poisson + ": mean strain along the pull", stretch);
+    expect_below(std::string("ratio typed ") + poisson + ": error of the ratio measured",
+                 std::abs(narrowing / stretch - scene.materials[0].poisson), 0.01);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Physics, Figure, testing::ValuesIn(precisions), ChoiceName());
+
+} // namespace
+} // namespace pliant::test
