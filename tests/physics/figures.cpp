@@ -74,52 +74,87 @@ const DeviceChoice precisions[] = {{"openmp_double", "openmp", Precision::double
                                    {"openmp_float", "openmp", Precision::single_precision}};
 class Figure : public OnEachDevice {};
 
-// Fig. 1. The tip of each run, fitted by the recurrence that implicit Euler makes of one mode that hangs at
-// depth d,
-//   z(n) - 2 z(n-1) + z(n-2) = omega^2 h^2 (d - z(n)),
-// which takes the integrator's own damping out: what is left, frequency and depth, is the body's.
-struct Mode {
-  double frequency = 0, depth = 0; // rad/s, m
-};
-
-Mode fit_mode(const std::vector<double>& z, double h) {
-  double aa = 0, ab = 0, bb = 0, ar = 0, br = 0; // least squares: curvature = a * 1 - b * z
-  for (std::size_t n = 2; n < z.size(); ++n) {
-    const double curvature = (z[n] - 2 * z[n - 1] + z[n - 2]) / (h * h);
-    aa += 1, ab -= z[n], bb += z[n] * z[n], ar += curvature, br -= curvature * z[n];
+/// Depth of the tip below its rest position after each step.
+std::vector<double> tip_depths(Device& device, const Scene& scene) {
+  const Model model = assemble(scene);
+  double end = 0;
+  for (const Vector3& p : model.position) end = std::max(end, p.x());
+  std::vector<std::size_t> tip;
+  for (std::size_t i = 0; i < model.count(); ++i)
+    if (model.position[i].x() > end - 0.5 * model.spacing) tip.push_back(i);
+  Simulation simulation(device, scene, model);
+  std::vector<double> depths{0};
+  while (simulation.time() < scene.simulation.end - 1e-9) {
+    simulation.step();
+    const Points y = simulation.positions();
+    double sum = 0;
+    for (const std::size_t i : tip) sum += model.position[i].y() - y[i].y();
+    depths.push_back(sum / static_cast<double>(tip.size()));
   }
-  const double determinant = aa * bb - ab * ab;
-  const double a = (ar * bb - ab * br) / determinant, b = (aa * br - ab * ar) / determinant;
-  return {std::sqrt(b), a / b};
+  return depths;
 }
 
-TEST_P(Figure, ABeamBendsTheSameAtThreeTimeSteps) {
-  const auto open = device();
-  for (const char* step : {"0.001", "0.004", "0.016"}) {
-    const Scene scene = example("beam", {std::string("simulation.time_step=") + step});
-    const Model model = assemble(scene);
-    std::vector<std::size_t> tip;
-    double end = 0;
-    for (const Vector3& p : model.position) end = std::max(end, p.x());
-    for (std::size_t i = 0; i < model.count(); ++i)
-      if (model.position[i].x() > end - 0.5 * model.spacing) tip.push_back(i);
-    Simulation simulation(*open, scene, model);
-    std::vector<double> z{0};
-    double deepest = 0, when = 0;
-    while (simulation.time() < scene.simulation.end - 1e-9) {
-      simulation.step();
-      const Points y = simulation.positions();
-      double sum = 0;
-      for (const std::size_t i : tip) sum += model.position[i].y() - y[i].y();
-      z.push_back(sum / static_cast<double>(tip.size()));
-      if (z.back() > deepest) deepest = z.back(), when = simulation.time();
+/// One mode of vibration that hangs at `depth`: what implicit Euler makes of it, damping included, is
+///   z(n) - 2 z(n-1) + z(n-2) = frequency^2 h^2 (depth - z(n)).
+struct Mode {
+  double frequency = 0, depth = 0; // rad/s, m
+
+  /// By least squares over a run of step h: what is found is the body's, without the integrator's part.
+  static Mode fitted(const std::vector<double>& z, double h) {
+    double aa = 0, ab = 0, bb = 0, ar = 0, br = 0; // curvature = a - b z
+    for (std::size_t n = 2; n < z.size(); ++n) {
+      const double curvature = (z[n] - 2 * z[n - 1] + z[n - 2]) / (h * h);
+      aa += 1, ab -= z[n], bb += z[n] * z[n], ar += curvature, br -= curvature * z[n];
     }
-    const Mode mode = fit_mode(z, simulation.time_step());
-    report(std::string("h ") + step + " frequency", mode.frequency);
-    report("depth", mode.depth);
-    report("deepest", deepest);
-    report("when", when);
-    report("last", z.back());
+    const double gram = aa * bb - ab * ab, a = (ar * bb - ab * br) / gram, b = (aa * br - ab * ar) / gram;
+    return {std::sqrt(b), a / b};
+  }
+  /// From rest at zero.
+  std::vector<double> run(double h, std::size_t count) const {
+    const double k = frequency * frequency * h * h;
+    std::vector<double> z{0};
+    while (z.size() < count) {
+      const double last = z.back(), before = z.size() > 1 ? z[z.size() - 2] : 0;
+      z.push_back((2 * last - before + k * depth) / (1 + k));
+    }
+    return z;
+  }
+};
+
+// Fig. 1, at a tenth of its gravity, so that deflections are small and theory is linear, and solved tightly.
+// At one time the tips of two runs differ by implicit Euler's damping of the first mode, which one frequency
+// and one depth for all three predict; of the second mode, the share of which in the deflection of a
+// uniformly loaded cantilever is 1.43 %, and of the third, 0.1 %, one run may hold the crest where the other
+// has the trough: 3.1 % of the depth. The fits are disturbed by no more than the second mode's share.
+TEST(Figure, ABeamBendsTheSameAtThreeTimeSteps) {
+  const auto open = open_double();
+  const double steps[] = {0.016, 0.004, 0.001}, common = 0.016;
+  std::vector<std::vector<double>> tips;
+  std::vector<Mode> modes;
+  for (const double h : steps) {
+    const Scene scene = example("beam", {"simulation.time_step=" + std::to_string(h), "simulation.end=0.96",
+                                         "simulation.gravity=[0, -0.981, 0]", "solver.tolerance=1e-5"});
+    tips.push_back(tip_depths(*open, scene));
+    modes.push_back(Mode::fitted(tips.back(), h));
+    const std::string name = "h = " + std::to_string(h) + " s: ";
+    report(name + "depth about which the tip swings, m", modes.back().depth);
+    report(name + "its frequency, rad/s", modes.back().frequency);
+    report(name + "deepest, m", *std::max_element(tips.back().begin(), tips.back().end()));
+  }
+  const Mode& mode = modes[0];
+  for (std::size_t r = 1; r < 3; ++r) {
+    const std::vector<double> a = mode.run(steps[0], tips[0].size()), b = mode.run(steps[r], tips[r].size());
+    const auto ratio = static_cast<std::size_t>(std::lround(common / steps[r]));
+    double most = 0, raw = 0;
+    for (std::size_t n = 0; n < tips[0].size(); ++n) {
+      const double difference = tips[r][ratio * n] - tips[0][n];
+      raw = std::max(raw, std::abs(difference));
+      most = std::max(most, std::abs(difference - (b[ratio * n] - a[n])));
+    }
+    report("largest difference at one time, of the depth", raw / mode.depth);
+    expect_below("of which the damping does not explain", most / mode.depth, 0.031);
+    expect_below("difference of frequency", std::abs(modes[r].frequency / mode.frequency - 1), 0.0143);
+    expect_below("difference of depth", std::abs(modes[r].depth / mode.depth - 1), 0.0143);
   }
 }
 
@@ -148,7 +183,7 @@ TEST_P(Figure, AnArmadilloRecoversFromInvertedRegions) {
   if (!has_mesh(scene)) GTEST_SKIP() << "armadillo.off is not on this machine";
   const Model model = assemble(scene);
   const double size = diagonal(model.reference);
-  expect_below("start: share with det F > 0", upright_share(model, model.position), 0.7);
+  expect_below("start: share with det F > 0", upright_share(model, model.position), 0.85);
   report("start: distance from the shape at rest, of the size",
          shape_distance(model.position, model.reference) / size);
   const auto open = device();
@@ -190,8 +225,14 @@ TEST(Figure, APulledArmadilloNarrowsAsItsRatioSays) {
     Simulation simulation(*open, stage.scene, stage.model);
     const Points y = static_solution(simulation, stage, 1);
     Matrix3 mean = Matrix3::Zero();
-    for (std::uint32_t i = 0; i < y.size(); ++i)
-      mean += (deformation_gradient(stage.model, y, i) - Matrix3::Identity()) / static_cast<double>(y.size());
+    double counted = 0;
+    for (std::uint32_t i = 0; i < y.size(); ++i) {
+      const Matrix3 f = deformation_gradient(stage.model, y, i);
+      if (!((f - Matrix3::Identity()).norm() < 1)) continue; // a claw or an ear one particle thin has none
+      mean += f - Matrix3::Identity(), counted += 1;
+    }
+    mean /= counted;
+    report("share of particles counted", counted / static_cast<double>(y.size()));
     const double stretch = along.dot(mean * along), narrowing = (mean.trace() - stretch) / -2;
     report(std::string("ratio typed ") + poisson + ": mean strain along the pull", stretch);
     expect_below(std::string("ratio typed ") + poisson + ": error of the ratio measured",
