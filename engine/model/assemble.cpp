@@ -84,7 +84,7 @@ public:
     });
     merge(model_.weight_report, report, model_.count(), particles_.position.size());
     apply_conditions();
-    located(place_, [&] { set_initial_state(body_, particles_); });
+    located(place_, [&] { set_initial_state(body_, deformed_parts(), particles_); });
     describe(sampling);
     located(place_, [&] { append(model_, index_, law_, std::move(particles_)); });
   }
@@ -211,6 +211,13 @@ private:
     }
     for (std::uint32_t i = 0; i < motion.size(); ++i)
       if (motion[i] != free) model_.held.push_back({first + i, motion[i]});
+  }
+
+  std::vector<DeformedPart> deformed_parts() const {
+    std::vector<DeformedPart> parts;
+    for (const DeformedRegion& one : body_.deformed)
+      parts.push_back({select(one.region, fmt::format("deformed region {}", parts.size() + 1)), &one});
+    return parts;
   }
 
   void describe(const Sampling& sampling) {

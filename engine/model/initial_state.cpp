@@ -34,6 +34,18 @@ void scatter(BodyParticles& particles) {
   }
 }
 
+void deform_part(const DeformedPart& part, BodyParticles& particles) {
+  std::vector<Vector3> position;
+  std::vector<double> mass;
+  for (const std::uint32_t i : part.particles) {
+    position.push_back(particles.position[i]);
+    mass.push_back(particles.mass[i]);
+  }
+  const Vector3 centre = part.region->about.value_or(centre_of_mass(position, mass));
+  for (const std::uint32_t i : part.particles)
+    particles.position[i] = centre + part.region->deform * (particles.position[i] - centre);
+}
+
 void start_from(const std::string& start, const Vector3& centre, BodyParticles& particles) {
   if (start.empty()) return;
   if (start == "random") return scatter(particles);
@@ -65,12 +77,13 @@ Vector3 centre_of_mass(const std::vector<Vector3>& position, const std::vector<d
   return total > 0 ? Vector3(position[0] + moment / total) : Vector3(Vector3::Zero());
 }
 
-void set_initial_state(const Body& body, BodyParticles& particles) {
+void set_initial_state(const Body& body, const std::vector<DeformedPart>& parts, BodyParticles& particles) {
   if (particles.position.empty()) return;
+  const Vector3 centre_at_rest = centre_of_mass(particles.position, particles.mass);
+  for (const DeformedPart& part : parts) deform_part(part, particles);
   if (!body.deform.isIdentity(0) || !body.start.empty()) {
-    const Vector3 centre = centre_of_mass(particles.position, particles.mass);
-    for (Vector3& p : particles.position) p = centre + body.deform * (p - centre);
-    start_from(body.start, centre, particles);
+    for (Vector3& p : particles.position) p = centre_at_rest + body.deform * (p - centre_at_rest);
+    start_from(body.start, centre_at_rest, particles);
   }
   const Vector3 centre = centre_of_mass(particles.position, particles.mass);
   particles.velocity.resize(particles.position.size());

@@ -73,6 +73,13 @@ struct MaterialRegion {
   std::string material;
 };
 
+/// Part of a body that starts deformed: y = c + F (x - c) of its rest positions.
+struct DeformedRegion {
+  Shape region;                         ///< in the body's rest position
+  Matrix3 deform = Matrix3::Identity(); ///< F
+  std::optional<Vector3> about;         ///< m; c, by default the centre of mass of these particles
+};
+
 struct Body {
   std::string name;
   std::string material;
@@ -81,6 +88,7 @@ struct Body {
   Vector3 spin = Vector3::Zero();      ///< rad/s, about the centre of mass
   std::vector<MaterialRegion> regions; ///< later ones win
   std::vector<Condition> conditions;
+  std::vector<DeformedRegion> deformed; ///< in this order, before `deform` and `start`
   /// Initial deformation of the particles about the centre of mass: y = c + F (x - c). Identity by default.
   Matrix3 deform = Matrix3::Identity();
   std::string start = ""; ///< "", "flat" (onto the plane x = c), "line", "point", "random", "mirror"

@@ -93,6 +93,7 @@ const Table& boundary_table();
 const Table& moved_table();
 const Table& loaded_table();
 const Table& region_table();
+const Table& deformed_table();
 const Table& simulation_table();
 const Table& camera_table();
 const Table& render_table();

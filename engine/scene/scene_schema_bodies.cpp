@@ -334,6 +334,32 @@ const Table& loaded_table() {
   return table;
 }
 
+const Table& deformed_table() {
+  using D = DeformedRegion;
+  static const Table table{
+      "deformed",
+      "[[body.deformed]]",
+      "Part of a body that starts deformed, before `deform` and `start` of the whole; each goes on from "
+      "those "
+      "above it.",
+      {{.name = "region",
+        .meaning = "which particles, in the rest position",
+        .required = true,
+        .nested = one_shape(child<&D::region>, only<&D::region>)},
+       {.name = "deform",
+        .meaning = "the deformation, as rows; a negative determinant turns them inside out",
+        .slot = at<&D::deform>,
+        .example = "[[-0.6, 0, 0], [0, 1, 0], [0, 0, 1]]",
+        .required = true},
+       {.name = "about",
+        .meaning = "the point that stays; by default their centre of mass",
+        .slot = at<&D::about>,
+        .unit = "m",
+        .example = "[0, 0.5, 0]"}},
+      std::make_shared<D>()};
+  return table;
+}
+
 const Table& body_table() {
   using K = Condition::Kind;
   using How = Nested::How;
@@ -362,6 +388,9 @@ const Table& body_table() {
        {.name = "deform",
         .meaning = "initial deformation about the centre of mass, as rows",
         .slot = at<&Body::deform>},
+       {.name = "deformed",
+        .meaning = "parts that start deformed",
+        .nested = {&deformed_table(), How::list, append<&Body::deformed>, every<&Body::deformed>}},
        {.name = "start",
         .meaning =
             "collapse to x = centre, to a line, to a point; random positions; or mirrored in x = centre",

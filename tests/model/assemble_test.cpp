@@ -217,6 +217,49 @@ TEST(Assemble, DeformAndStartMovePositionsOnly) {
   EXPECT_NEAR(spread, 0.7 * 0.7 / 12, 0.15 * 0.7 * 0.7 / 12); // uniform: width^2 / 12
 }
 
+// Parts go by rest positions, one after the other; the whole's own deformation comes last.
+TEST(Assemble, DeformedRegionsMoveTheirParticlesOnly) {
+  const Model rest = assemble(box_scene());
+  const Vector3 c(1, 2, 3);
+  DeformedRegion right; // folded over the plane x = 1, and shortened
+  right.region.kind = Shape::Kind::plane;
+  right.region.normal = {-1, 0, 0};
+  right.region.offset = -c.x();
+  right.deform = Vector3(-0.6, 1, 1).asDiagonal();
+  right.about = c;
+  DeformedRegion top = right; // about its own centre
+  top.region.normal = {0, -1, 0};
+  top.region.offset = -c.y();
+  top.deform = Vector3(2, 1, 1).asDiagonal();
+  top.about.reset();
+  const auto from = [](const std::vector<DeformedRegion>& deformed, double stretch) {
+    Scene scene = box_scene();
+    scene.bodies[0].deformed = deformed;
+    scene.bodies[0].deform(1, 1) = stretch;
+    return assemble(scene);
+  };
+  const Model folded = from({right}, 3), both = from({right, top}, 1);
+  EXPECT_EQ(folded.reference, rest.reference);
+  EXPECT_EQ(folded.bonds.weight, rest.bonds.weight);
+  const auto folded_x = [&](const Vector3& r) { return r.x() > 0 ? -0.6 * r.x() : r.x(); };
+  double centre_of_top = 0, count = 0;
+  for (const Vector3& p : rest.position)
+    if (p.y() > c.y()) centre_of_top += folded_x(p - c), count += 1;
+  centre_of_top /= count;
+  for (std::size_t i = 0; i < rest.count(); ++i) {
+    const Vector3 r = rest.position[i] - c;
+    const double x = folded_x(r);
+    EXPECT_LT((folded.position[i] - c - Vector3(x, 3 * r.y(), r.z())).norm(), 1e-12);
+    const double stretched = r.y() > 0 ? 2 * x - centre_of_top : x;
+    EXPECT_LT((both.position[i] - c - Vector3(stretched, r.y(), r.z())).norm(), 1e-12);
+  }
+  right.region.offset = -20;
+  Scene scene = box_scene();
+  scene.bodies[0].deformed = {top, right};
+  EXPECT_THAT(refusal(scene),
+              AllOf(HasSubstr("'brick'"), HasSubstr("deformed region 2 selects no particle")));
+}
+
 TEST(Assemble, RefusesOverlapUnlessAllowed) {
   Scene scene = box_scene();
   scene.bodies.push_back(body("stone", "rubber", box({1.6, 2, 3}, {0.8, 0.6, 0.5})));

@@ -112,6 +112,24 @@ INSTANTIATE_TEST_SUITE_P(
         RangeCase{6, "start = \"flatt\"", "did you mean 'flat'?"},
         RangeCase{6, "velocity = [0, 0, -inf]", "velocity[2] = -inf is not finite"}));
 
+TEST(SceneErrors, DeformedRegions) {
+  const auto with = [](const std::string& keys) {
+    return complaint(small_scene + "[[body.deformed]]\n" + keys);
+  };
+  const std::string where = "region = { sphere = 1 }\n",
+                    what = "deform = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n";
+  EXPECT_EQ(with(where + what), "");
+  EXPECT_THAT(with(what), HasSubstr("s.toml:9:1: body.0.deformed.0 lacks 'region'"));
+  EXPECT_THAT(with(where), HasSubstr("body.0.deformed.0 lacks 'deform', such as deform = [[-0.6, 0, 0]"));
+  EXPECT_THAT(with(where + "deform = [1, 0, 0]\n"),
+              HasSubstr("s.toml:11:11: body.0.deformed.0.deform[0] must be"));
+  EXPECT_THAT(with(where + "deform = [[1, 0, 0], [0, nan, 0], [0, 0, 1]]\n"), HasSubstr("is not finite"));
+  EXPECT_THAT(with(where + what + "about = [0, 0]\n"), HasSubstr("must be a list of three"));
+  EXPECT_THAT(with(where + what + "abuot = [0, 0, 0]\n"), HasSubstr("did you mean 'about'?"));
+  EXPECT_THAT(complaint(with_line(6, "deformed = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]")),
+              HasSubstr("body.0.deformed.0 must be a table"));
+}
+
 TEST(SceneErrors, SettingsRanges) {
   const auto with = [](const char* set) { return complaint(small_scene, {set}); };
   EXPECT_THAT(with("simulation.time_step=0"), HasSubstr("must be above 0 (s)"));

@@ -77,6 +77,13 @@ end = 1
 [[body.region]]
 region = { sphere = 1, at = [0, 1, 0] }
 material = "b"
+[[body.deformed]]
+region = { plane = [1, 0, 0], offset = 0.5 }
+deform = [[-0.5, 0, 0.25], [0, 1, 0], [0, 0, 1]]
+about = [0.5, 0, 0]
+[[body.deformed]]
+region = { sphere = 1 }
+deform = [[1, 0, 0], [0, 2, 0], [0, 0, 1]]
 [[body]]
 material = "b"
 shape = { mesh = "m.off", fit = 2 }
@@ -147,6 +154,13 @@ samples = 1
   ASSERT_EQ(x.regions.size(), 1u);
   EXPECT_EQ(x.regions[0].material, "b");
 
+  ASSERT_EQ(x.deformed.size(), 2u);
+  EXPECT_EQ(x.deformed[0].region.offset, 0.5);
+  EXPECT_EQ(x.deformed[0].deform(0, 2), 0.25);
+  EXPECT_EQ(x.deformed[0].about, Vector3(0.5, 0, 0));
+  EXPECT_EQ(x.deformed[1].deform(1, 1), 2);
+  EXPECT_FALSE(x.deformed[1].about.has_value());
+
   EXPECT_EQ(scene.bodies[1].name, "body-1");
   EXPECT_EQ(scene.bodies[1].shape.mesh, "m.off");
   EXPECT_EQ(scene.bodies[1].shape.fit, 2);
@@ -178,6 +192,8 @@ samples = 1
   EXPECT_FALSE(json["body"][0]["shape"].contains("box"));
   EXPECT_NEAR(json["body"][0]["moved"][0]["rotation"]["rate_degrees"].get<double>(), 180, 1e-12);
   EXPECT_EQ(json["body"][0]["deform"][1][2], 6);
+  EXPECT_EQ(json["body"][0]["deformed"][0]["deform"][0][0], -0.5);
+  EXPECT_TRUE(json["body"][0]["deformed"][1]["about"].is_null()); // their centre of mass
   EXPECT_FALSE(json["body"][1]["shape"].contains("at"));
   EXPECT_EQ(json["boundary"][0]["condition"], "no-slip");
   EXPECT_TRUE(json["boundary"][0]["end"].is_null()); // never

@@ -85,7 +85,7 @@ std::string scene_around(const Table& table, const std::string& inner) {
     body = "{material = \"rubber\", shape = {box = [1, 1, 1], rotate = " + inner + "}}";
   else if (name == "rotation")
     in_body("moved = [{region = {box = [1, 1, 1]}, rotation = " + inner + "}]");
-  else if (name == "fixed" || name == "moved" || name == "loaded" || name == "region")
+  else if (name == "fixed" || name == "moved" || name == "loaded" || name == "region" || name == "deformed")
     in_body(std::string(name) + " = [" + inner + "]");
   else if (name == "boundary")
     extra = "boundary = [" + inner + "]\n";
