@@ -86,13 +86,8 @@ void Direct::begin(const SolveBounds& bounds) {
   factor_ = std::make_unique<Factor>();
   factor_->cholesky.analyzePattern(matrix);
   const double bytes = 12 * factor_->cholesky.entries(); // values, and their share of indices
-  const double available = available_memory();
-  if (available > 0 && bytes > available)
-    throw Error(
-        ExitCode::too_large,
-        fmt::format("the direct solver's factor of {} particles needs about {:.1f} GiB, {:.1f} GiB are free; "
-                    "choose newton or chebyshev, or a larger spacing",
-                    model.count(), bytes / 0x1p30, available / 0x1p30));
+  require_memory(fmt::format("the direct solver's factor of {} particles", model.count()), bytes,
+                 available_memory(), model.spacing);
   factor_->cholesky.factorize(matrix);
   if (factor_->cholesky.info() != Eigen::Success)
     throw Error(ExitCode::internal,
