@@ -1,6 +1,7 @@
 // Everything about a scene that needs no run, and the time of a few iterations.
 #include "engine/report/check.h"
 
+#include "engine/plan/expected_iterations.h"
 #include "engine/solver/simulation.h"
 
 #include <Eigen/Geometry>
@@ -170,8 +171,11 @@ CheckReport check_scene(Scene scene, Device& device) {
   report.steps = static_cast<std::uint64_t>(std::ceil(report.end / report.time_step * (1 - 1e-9)));
   report.frames = static_cast<std::uint64_t>(std::floor(report.end * scene.output.fps * (1 + 1e-9)));
   report.stiffness_number = simulation.stiffness_number();
-  report.predicted_iterations =
-      std::max(1.0, std::sqrt(report.stiffness_number / 2) * std::log(2 / scene.solver.tolerance));
+  const Method& method = simulation.plan().method;
+  report.solver =
+      method.name + (method.preconditioner.empty() ? "" : ", " + method.preconditioner + " preconditioner");
+  if (!method.reason.empty()) report.solver += " (auto: " + method.reason + ")";
+  report.predicted_iterations = expected_iterations(method, scene.solver.tolerance);
   report.largest_move = largest_move(scene, model, report.time_step);
   report.backend = device.info().backend;
   report.device = device.info().name;
@@ -206,6 +210,7 @@ std::string check_text(const CheckReport& r) {
                   size_text(double(r.host_bytes)));
   text += fmt::format("  time: {} steps of {:.5g} s to {:.4g} s, {} frames\n", r.steps, r.time_step, r.end,
                       r.frames);
+  text += fmt::format("  solver: {}\n", r.solver);
   text += fmt::format("  stiffness number {:.3g}: a step is expected to need {:.0f} iterations (cap {})\n",
                       r.stiffness_number, r.predicted_iterations, r.iteration_cap);
   text += fmt::format("  on {}, {}: {:.3g} ms an iteration; the whole run {}, without pictures\n", r.backend,
@@ -244,6 +249,7 @@ nlohmann::json check_json(const CheckReport& r) {
           {"end", r.end},
           {"steps", r.steps},
           {"frames", r.frames},
+          {"solver", r.solver},
           {"stiffness_number", r.stiffness_number},
           {"predicted_iterations", r.predicted_iterations},
           {"iteration_cap", r.iteration_cap},

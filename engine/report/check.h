@@ -32,6 +32,7 @@ struct CheckReport {
   double bytes_per_particle = 0, bytes_per_bond = 0;
   double time_step = 0, end = 0; ///< s; the step after it was fitted to the frames
   std::uint64_t steps = 0, frames = 0;
+  std::string solver; ///< method, preconditioner, and why
   double stiffness_number = 0;
   double predicted_iterations = 0; ///< a step, before the cap
   unsigned iteration_cap = 0;
