@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <unistd.h>
 
 namespace pliant::test {
 namespace {
@@ -58,7 +59,7 @@ class MeshBoundary : public ContactTest {};
 
 // A cube as a mesh: flat faces, so that the grid is exact away from its edges.
 TEST_P(MeshBoundary, ForceIsTheGradientOfTheGridsDistance) {
-  const std::string file = testing::TempDir() + "pliant_contact_cube.off";
+  const std::string file = testing::TempDir() + "pliant_contact_cube_" + std::to_string(getpid()) + ".off";
   std::ofstream(file) << "OFF\n8 12 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n"
                          "3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n"
                          "3 2 3 7\n3 2 7 6\n3 1 2 6\n3 1 6 5\n3 0 4 7\n3 0 7 3\n";

@@ -139,7 +139,8 @@ TEST(SceneErrors, SettingsRanges) {
   EXPECT_THAT(with("solver.iterations=0"), HasSubstr("1 to 1000000"));
   EXPECT_THAT(with("solver.iterations=1000001"), HasSubstr("1 to 1000000"));
   EXPECT_THAT(with("solver.iterations=-1"), HasSubstr("1 to 1000000"));
-  EXPECT_THAT(with("solver.method=newton"), HasSubstr("\"chebyshev\", \"jacobi\""));
+  EXPECT_THAT(with("solver.method=cholesky"), HasSubstr("\"direct\", \"lbfgs\", \"newton\""));
+  EXPECT_THAT(with("solver.preconditioner=ilu"), HasSubstr("\"multilevel\""));
   EXPECT_THAT(with("solver.integrator=euler"), HasSubstr("\"implicit-euler\", \"bdf2\""));
   EXPECT_THAT(with("solver.spectral_radius=1"), HasSubstr("above 0 and below 1"));
   EXPECT_THAT(with("contact.friction=-0.1"), HasSubstr("at least 0"));

@@ -20,7 +20,7 @@ TEST(SceneParse, SmallSceneGetsDefaults) {
   EXPECT_EQ(scene.name, "s");
   EXPECT_EQ(scene.simulation.spacing, 0.1);
   EXPECT_EQ(scene.simulation.horizon, 1.87);
-  EXPECT_EQ(scene.solver.method, "chebyshev");
+  EXPECT_EQ(scene.solver.method, "auto");
   ASSERT_EQ(scene.materials.size(), 1u);
   EXPECT_EQ(scene.materials[0].name, "rubber");
   EXPECT_EQ(scene.materials[0].law, "corotated");
