@@ -247,7 +247,9 @@ ConvergeSeries race(const Variant& variant, const Place& place, Device& device, 
   series.device = device.info().name;
   Watch watch(device);
   watch.start();
-  Simulation simulation(device, raced, model, {.statistics = false});
+  PlanRequest plain;
+  plain.statistics = false;
+  Simulation simulation(device, raced, model, plain);
   simulation.restore(problem.start());
   simulation.begin_solving();
   simulation.iterate(true); // what a method prepares when it is first needed

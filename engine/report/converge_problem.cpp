@@ -33,7 +33,9 @@ bool projective(const Model& model) {
 /// What a single-precision device keeps of a state, so that every device starts from the same numbers.
 Snapshot rounded(const Scene& scene, const Model& model, const Snapshot& state, unsigned threads) {
   const std::unique_ptr<Device> device = open_device({"openmp", Precision::single_precision, threads});
-  Simulation simulation(*device, scene, model, {.statistics = false});
+  PlanRequest plain;
+  plain.statistics = false;
+  Simulation simulation(*device, scene, model, plain);
   simulation.restore(state);
   return simulation.snapshot();
 }

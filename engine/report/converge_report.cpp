@@ -100,7 +100,7 @@ Plot plot_of(const ConvergeReport& r, const Kind& kind, const std::string& title
     plot.series.push_back(std::move(entry));
   };
   for (std::size_t v = 0; v < variants.size(); ++v)
-    key(variants[v], {.colour = colours[v % std::size(colours)], .markers = false});
+    key(variants[v], {.colour = colours[v % std::size(colours)], .shape = 0u, .markers = false});
   for (std::size_t p = 0; p < places.size(); ++p)
     key(places[p], {.colour = Colour{110, 110, 110},
                     .shape = static_cast<unsigned>(p),
