@@ -56,8 +56,9 @@ ExitCode converge(Options& options, bool at_given, bool frames_given) {
   options.converge.say = notice;
   const Scene scene = read_scene(options.scene.named(options.json), options.scene.overrides);
   if (options.run && (at_given || !options.converge.only.empty()))
-    throw Error(ExitCode::usage, "--run takes the scene's own solver over the whole scene: without --at and --only; "
-                                 "--set solver.method=NAME chooses another");
+    throw Error(ExitCode::usage,
+                "--run takes the scene's own solver over the whole scene: without --at and --only; "
+                "--set solver.method=NAME chooses another");
   if (!options.run && frames_given) throw Error(ExitCode::usage, "--frames goes with --run");
   make_folder(options.out);
   if (options.run) return whole_run(options, scene, frames_given);
@@ -73,11 +74,12 @@ void add_converge(CLI::App& program, Action& action) {
       "converge", "error against run time: each solver on each backend, from the same state of a scene");
   const auto options = std::make_shared<Options>();
   add_scene(*command, options->scene);
-  CLI::Option* at = command
-                        ->add_option("--at", options->at,
-                                     "watch the step after STEP steps; unless given, the hardest of the first 60")
-                        ->type_name("STEP")
-                        ->check(CLI::Range(0u, 100'000'000u).description(""));
+  CLI::Option* at =
+      command
+          ->add_option("--at", options->at,
+                       "watch the step after STEP steps; unless given, the hardest of the first 60")
+          ->type_name("STEP")
+          ->check(CLI::Range(0u, 100'000'000u).description(""));
   command->add_option("--out", options->out, "folder for converge.csv, .json, .svg and .png; made if need be")
       ->capture_default_str()
       ->type_name("FOLDER");
@@ -86,7 +88,9 @@ void add_converge(CLI::App& program, Action& action) {
                    "these solvers: chebyshev, jacobi, position, direct, lbfgs, newton, newton+diagonal, ...")
       ->type_name("NAME,...")
       ->delimiter(',');
-  command->add_option("--backend", options->converge.backends, "these backends: openmp, gl or gl:N; all unless given")
+  command
+      ->add_option("--backend", options->converge.backends,
+                   "these backends: openmp, gl or gl:N; all unless given")
       ->type_name("NAME,...")
       ->delimiter(',');
   add_threads(*command, options->device);
@@ -102,7 +106,8 @@ void add_converge(CLI::App& program, Action& action) {
       ->type_name("S")
       ->check(CLI::Range(0.01, 600.0).description(""));
   add_json(*command, options->json, "print converge.json too, or write it to FILE");
-  command->footer(R"(Every solver starts from the same state and first guess. Its position, residual and energy are compared with a
+  command->footer(
+      R"(Every solver starts from the same state and first guess. Its position, residual and energy are compared with a
 converged reference in double, outside the clock; a second start confirms the reference.
 Examples:
   pliant converge examples/beam.toml --out out/beam-converge

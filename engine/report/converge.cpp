@@ -10,6 +10,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <map>
 #include <set>
 
 namespace pliant {
@@ -18,7 +19,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double reached = 1e-6;        ///< spacings: a series need go no further
+constexpr double reached = 1e-6;        ///< all errors: a series need go no further
 constexpr double repeat_below = 4;      ///< s: longer passes are timed once
 constexpr double repeats_seconds = 1.5; ///< for all timed passes of a series
 constexpr unsigned passes_wanted = 5;
@@ -66,7 +67,8 @@ std::vector<Variant> wanted_variants(const std::vector<std::string>& only) {
     if (wanted.size() > before) continue;
     std::vector<std::string> names;
     for (const Variant& variant : all) {
-      if (std::find(names.begin(), names.end(), variant.method) == names.end()) names.push_back(variant.method);
+      if (std::find(names.begin(), names.end(), variant.method) == names.end())
+        names.push_back(variant.method);
       if (!variant.preconditioner.empty()) names.push_back(variant.name());
     }
     throw Error(ExitCode::usage, fmt::format("no method \"{}\"; there are {}", name, fmt::join(names, ", ")));
@@ -113,6 +115,12 @@ std::vector<Place> wanted_places(const ConvergeOptions& options, std::vector<std
 /// 1 2 3 4 5 6 8 10 12 ...: each about a fifth more than the last.
 unsigned sample_after(unsigned n) {
   return n + std::max(1u, n / 5);
+}
+
+/// The largest of a point's errors that are numbers.
+double worst(const ConvergePoint& point) {
+  const double rest = std::max(point.position_rms, point.residual);
+  return point.energy_error > rest ? point.energy_error : rest;
 }
 
 /// Wall time of a solve, stopped while errors are computed.
@@ -186,8 +194,8 @@ private:
       const double seconds = watch.ms() / 1000, ahead = seconds / n * (next - n);
       if (!std::isfinite(point.position_rms))
         series_.end = "not finite";
-      else if (point.position_rms <= reached)
-        series_.end = "1e-6 spacings";
+      else if (worst(point) <= reached)
+        series_.end = "1e-6";
       else if (ended)
         series_.end = "no descent left that its precision can tell";
       else if (n >= 2 * progress_ && n >= progress_ + patience)
@@ -303,12 +311,14 @@ ConvergeReport converge_step(const Scene& scene, const ConvergeOptions& options)
   report.step = problem.start().step;
   report.residual_at_start = problem.first_residual();
   report.reference = problem.reference();
-  options.say(fmt::format("reference: residual {:.1e} of the start's after {} iterations, {:.1f} s; the second "
-                          "start ends {:.1e} spacings away",
-                          report.reference.residual, report.reference.iterations, report.reference.seconds,
-                          report.reference.agree_max));
+  options.say(
+      fmt::format("reference: residual {:.1e} of the start's after {} iterations, {:.1f} s; the second "
+                  "start ends {:.1e} spacings away",
+                  report.reference.residual, report.reference.iterations, report.reference.seconds,
+                  report.reference.agree_max));
   std::vector<std::unique_ptr<Device>> devices;
   for (const Place& place : places) devices.push_back(open_device(place.request));
+  std::map<std::string, std::vector<std::string>> refused; // by reason
   std::size_t left = variants.size() * places.size();
   for (const Variant& variant : variants)
     for (std::size_t p = 0; p < places.size(); ++p, --left) {
@@ -326,10 +336,12 @@ ConvergeReport converge_step(const Scene& scene, const ConvergeOptions& options)
                                 series.points.back().position_rms, series.end));
       } catch (const Error& error) {
         if (error.code() != ExitCode::usage && error.code() != ExitCode::too_large) throw;
-        report.left_out.push_back(label + ": " + error.what());
-        options.say("left out: " + report.left_out.back());
+        refused[error.what()].push_back(label);
+        options.say("left out: " + label + ": " + error.what());
       }
     }
+  for (const auto& [why, labels] : refused)
+    report.left_out.push_back(fmt::format("{}: {}", fmt::join(labels, ", "), why));
   report.seconds = elapsed();
   return report;
 }

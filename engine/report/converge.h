@@ -4,7 +4,8 @@
 //   own solver, double   0 ----> state ---.---> reference: newton, double, to the last bit; twice
 //                                          |
 //                                          +---> newton    double  .  .  .  .
-//                                          +---> newton    gl      .  .  .  .    each judged in double, outside
+//                                          +---> newton    gl      .  .  .  .    each judged in double,
+//                                          outside
 //                                          +---> chebyshev double  .  .  .  .    the clock
 //
 // Energy error: He, Wang and Wu (2018), Eq. 25. Residual: their Eq. 12 of 2017 in the D^-1 norm.
@@ -37,10 +38,10 @@ struct ConvergeOptions {
 
 /// Where a solve would end after so many iterations.
 struct ConvergePoint {
-  unsigned iteration = 0;  ///< force evaluations and products of the derivative
-  double ms = 0;           ///< since the step began; median of the passes
-  double residual = 0;     ///< of the start's
-  double energy_error = 0; ///< of the start's; not a number where forces have no potential
+  unsigned iteration = 0;                    ///< force evaluations and products of the derivative
+  double ms = 0;                             ///< since the step began; median of the passes
+  double residual = 0;                       ///< of the start's
+  double energy_error = 0;                   ///< of the start's; not a number where forces have no potential
   double position_rms = 0, position_max = 0; ///< spacings, to the reference
 };
 
@@ -61,12 +62,12 @@ struct ConvergeReference {
   std::string method;
   unsigned iterations = 0;
   double seconds = 0;
-  double residual = 0;                   ///< relative to the first guess's
-  std::string second_start;              ///< what it was
-  double agree_rms = 0, agree_max = 0;   ///< spacings, between the ends of both starts
+  double residual = 0;                       ///< relative to the first guess's
+  std::string second_start;                  ///< what it was
+  double agree_rms = 0, agree_max = 0;       ///< spacings, between the ends of both starts
   double potential = 0, first_potential = 0; ///< J; not a number without
-  double energy_floor = 0;               ///< energy error that rounding of the potential alone makes
-  double first_rms = 0, first_max = 0;   ///< spacings: position error of the first guess
+  double energy_floor = 0;                   ///< energy error that rounding of the potential alone makes
+  double first_rms = 0, first_max = 0;       ///< spacings: position error of the first guess
   /// The two starts agree to 1e-6 spacings, what series are followed to.
   bool confirmed() const { return agree_max < 1e-6; }
 };
@@ -95,8 +96,8 @@ std::optional<double> time_to(const ConvergeSeries& series, double ConvergePoint
 std::string converge_text(const ConvergeReport& report);
 nlohmann::json converge_json(const ConvergeReport& report);
 std::string converge_csv(const ConvergeReport& report);
-/// converge.csv, .json, .svg, .png (position error) and converge-residual.svg, .png; with `energy` plots where
-/// there is a potential. Returns the paths. Throws Error(input_output).
+/// converge.csv, .json, .svg, .png (position error) and converge-residual.svg, .png; with `energy` plots
+/// where there is a potential. Returns the paths. Throws Error(input_output).
 std::vector<std::filesystem::path> write_converge(const ConvergeReport& report,
                                                   const std::filesystem::path& folder);
 

@@ -66,7 +66,8 @@ Scene reference_scene(const Scene& scene, const Model& model) {
 }
 
 StepProblem::StepProblem(const Scene& scene, const Model& model, const ConvergeOptions& options)
-    : model_(model), judged_(reference_scene(scene, model)), device_(open_device(double_precision(options.threads))) {
+    : model_(model), judged_(reference_scene(scene, model)),
+      device_(open_device(double_precision(options.threads))) {
   find_state(scene, options);
   judged_.solver.fixed_iterations = true; // it ends where no descent is left, not at a tolerance
   judge_ = std::make_unique<Simulation>(*device_, judged_, model_);
@@ -81,9 +82,10 @@ void StepProblem::find_state(const Scene& scene, const ConvergeOptions& options)
   Simulation simulation(*device_, scene, model_);
   const auto end = static_cast<unsigned>(std::lround(scene.simulation.end / simulation.time_step()));
   if (options.at && *options.at > end)
-    throw Error(ExitCode::usage, fmt::format("--at {}: the scene ends after {} steps of {:.4g} s; name an earlier "
-                                             "step, or lengthen simulation.end",
-                                             *options.at, end, simulation.time_step()));
+    throw Error(ExitCode::usage,
+                fmt::format("--at {}: the scene ends after {} steps of {:.4g} s; name an earlier "
+                            "step, or lengthen simulation.end",
+                            *options.at, end, simulation.time_step()));
   const unsigned steps = options.at ? *options.at : std::min(searched_steps, std::max(end, 1u));
   options.say(options.at ? fmt::format("running {} steps with the scene's own solver, {}, in double", steps,
                                        simulation.plan().method.name)
@@ -98,10 +100,11 @@ void StepProblem::find_state(const Scene& scene, const ConvergeOptions& options)
     simulation.step();
     for (const StepStatistics& row : simulation.take_statistics()) {
       if (row.not_finite > 0)
-        throw Error(ExitCode::diverged,
-                    fmt::format("step {}: {} particles are no longer finite with the scene's own solver; name an "
-                                "earlier step with --at, or use a smaller time step",
-                                row.step, row.not_finite));
+        throw Error(
+            ExitCode::diverged,
+            fmt::format("step {}: {} particles are no longer finite with the scene's own solver; name an "
+                        "earlier step with --at, or use a smaller time step",
+                        row.step, row.not_finite));
       if (!options.at && row.first_residual > hardest) {
         hardest = row.first_residual;
         start_ = std::move(before);
@@ -144,10 +147,9 @@ std::vector<Vector3> StepProblem::converged(const std::vector<Vector3>* guess, u
 }
 
 void StepProblem::solve(const ConvergeOptions& options) {
-  options.say(fmt::format("reference: {}{} in double, from two starts", judge_->plan().method.name,
-                          judge_->plan().method.preconditioner.empty()
-                              ? ""
-                              : "+" + judge_->plan().method.preconditioner));
+  options.say(fmt::format(
+      "reference: {}{} in double, from two starts", judge_->plan().method.name,
+      judge_->plan().method.preconditioner.empty() ? "" : "+" + judge_->plan().method.preconditioner));
   const std::vector<Vector3> guess = judge_->iterate_positions();
   first_ = judge_->evaluate(guess);
   const auto began = Clock::now();
@@ -173,9 +175,10 @@ void StepProblem::solve(const ConvergeOptions& options) {
   const double none = std::numeric_limits<double>::quiet_NaN();
   reference_.potential = potential_ ? last_.potential : none;
   reference_.first_potential = potential_ ? first_.potential : none;
-  reference_.energy_floor = potential_ ? 1e-14 * std::max(std::abs(first_.potential), std::abs(last_.potential)) /
-                                             std::max(first_.potential - last_.potential, 1e-300)
-                                       : none;
+  reference_.energy_floor = potential_
+                                ? 1e-14 * std::max(std::abs(first_.potential), std::abs(last_.potential)) /
+                                      std::max(first_.potential - last_.potential, 1e-300)
+                                : none;
 }
 
 ConvergePoint StepProblem::errors(const std::vector<Vector3>& positions) {

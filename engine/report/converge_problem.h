@@ -18,8 +18,8 @@ struct Distance {
 };
 Distance distance_between(const std::vector<Vector3>& a, const std::vector<Vector3>& b, double spacing);
 
-/// The scene with the reference's solver: newton, or where the law has no derivative chebyshev, that ends where
-/// the precision ends.
+/// The scene with the reference's solver: newton, or where the law has no derivative chebyshev, that ends
+/// where the precision ends.
 Scene reference_scene(const Scene& scene, const Model& model);
 
 class StepProblem {

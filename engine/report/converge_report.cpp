@@ -58,7 +58,8 @@ nlohmann::json times_json(const ConvergeSeries& series, double ConvergePoint::*e
   nlohmann::json times = nlohmann::json::object();
   for (const double limit : converge_errors) {
     const std::optional<double> ms = time_to(series, error, limit);
-    times[fmt::format("1e-{}", std::lround(-std::log10(limit)))] = ms ? nlohmann::json(*ms) : nlohmann::json();
+    times[fmt::format("1e-{}", std::lround(-std::log10(limit)))] =
+        ms ? nlohmann::json(*ms) : nlohmann::json();
   }
   return times;
 }
@@ -66,14 +67,14 @@ nlohmann::json times_json(const ConvergeSeries& series, double ConvergePoint::*e
 // A colour a method, a dash and a marker a device.
 Plot plot_of(const ConvergeReport& r, const Kind& kind, const std::string& title) {
   Plot plot;
-  plot.title = fmt::format("{}: {}, step {}, {} particles, eta {:.3g}", r.scene, title, r.step + 1, r.particles,
-                           r.stiffness_number);
+  plot.title = fmt::format("{}: {}, step {}, {} particles, eta {:.3g}", r.scene, title, r.step + 1,
+                           r.particles, r.stiffness_number);
   plot.x_label = "run time of the step (ms)";
   plot.y_label = kind.name;
   plot.log_x = plot.log_y = true;
   plot.width = 1200, plot.height = 720;
-  constexpr Colour colours[] = {{0, 114, 178},  {213, 94, 0},  {0, 158, 115},   {204, 121, 167}, {230, 159, 0},
-                                {86, 180, 233}, {0, 0, 0},     {140, 86, 75},   {127, 127, 0}};
+  constexpr Colour colours[] = {{0, 114, 178},  {213, 94, 0}, {0, 158, 115}, {204, 121, 167}, {230, 159, 0},
+                                {86, 180, 233}, {0, 0, 0},    {140, 86, 75}, {127, 127, 0}};
   std::vector<std::string> variants, places;
   const auto index = [](std::vector<std::string>& names, const std::string& name) {
     const auto at = std::find(names.begin(), names.end(), name);
@@ -115,19 +116,21 @@ std::string converge_text(const ConvergeReport& r) {
   std::string text = fmt::format(
       "scene {}: {} particles, {} bonds, stiffness number {:.4g}, step {} of {:.4g} s\n"
       "{}, {} threads; {}\n"
-      "reference: {} in double, {} iterations, {:.2f} s, to {:.1e} of the start's residual ({:.3g} sqrt(N m))\n"
+      "reference: {} in double, {} iterations, {:.2f} s, to {:.1e} of the start's residual ({:.3g} sqrt(N "
+      "m))\n"
       "second start ({}): ends {:.1e} spacings away (largest; rms {:.1e}): {}\n"
       "first guess: {:.3g} spacings rms, {:.3g} largest, away from it\n",
-      r.scene, r.particles, r.bonds, r.stiffness_number, r.step + 1, r.time_step, r.processor, r.threads, r.build,
-      ref.method, ref.iterations, ref.seconds, ref.residual, r.residual_at_start, ref.second_start, ref.agree_max,
-      ref.agree_rms,
-      ref.confirmed()         ? "confirmed"
+      r.scene, r.particles, r.bonds, r.stiffness_number, r.step + 1, r.time_step, r.processor, r.threads,
+      r.build, ref.method, ref.iterations, ref.seconds, ref.residual, r.residual_at_start, ref.second_start,
+      ref.agree_max, ref.agree_rms,
+      ref.confirmed()        ? "confirmed"
       : ref.agree_max > 1e-2 ? "NOT confirmed, another minimum: position errors are to the first of the two"
                              : "NOT confirmed: position errors below this mean nothing",
       ref.first_rms, ref.first_max);
   if (has_energy(r))
-    text += fmt::format("energy: {:.6g} J at the start, {:.6g} J at the end; errors below {:.0e} are rounding\n",
-                        ref.first_potential, ref.potential, ref.energy_floor);
+    text +=
+        fmt::format("energy: {:.6g} J at the start, {:.6g} J at the end; errors below {:.0e} are rounding\n",
+                    ref.first_potential, ref.potential, ref.energy_floor);
   else
     text += "energy: friction or the law has no potential, so there is no energy error\n";
   if (ref.first_rms < converge_errors.back())
@@ -136,13 +139,14 @@ std::string converge_text(const ConvergeReport& r) {
   text += table(r, largest, std::array{1e-1, 1e-2, 1e-3});
   text += table(r, residual, converge_errors);
   if (has_energy(r)) text += table(r, energy, converge_errors);
-  text += fmt::format("\n  {:<33}{:>10}{:>12}{:>10}{:>8}  {}\n", "", "set-up ms", "iterations", "ms each", "passes",
-                      "ended at");
+  text += fmt::format("\n  {:<33}{:>10}{:>12}{:>10}{:>8}  {}\n", "", "set-up ms", "iterations", "ms each",
+                      "passes", "ended at");
   for (const ConvergeSeries& series : r.series) {
     const ConvergePoint& last = series.points.back();
-    text += row_name(series) + fmt::format("{:>10.4g}{:>12}{:>10.3g}{:>8}  {}{}\n", series.setup_ms, last.iteration,
-                                           last.ms / std::max(last.iteration, 1u), series.passes, series.end,
-                                           series.software ? " (software GL)" : "");
+    text +=
+        row_name(series) + fmt::format("{:>10.4g}{:>12}{:>10.3g}{:>8}  {}{}\n", series.setup_ms,
+                                       last.iteration, last.ms / std::max(last.iteration, 1u), series.passes,
+                                       series.end, series.software ? " (software GL)" : "");
   }
   for (const std::string& line : r.left_out) text += fmt::format("left out: {}\n", line);
   return text;
@@ -160,8 +164,8 @@ nlohmann::json converge_json(const ConvergeReport& r) {
                         {"position_rms", number(point.position_rms)},
                         {"position_max", number(point.position_max)}});
     all.push_back({{"method", series.method},
-                   {"preconditioner", series.preconditioner.empty() ? nlohmann::json()
-                                                                    : nlohmann::json(series.preconditioner)},
+                   {"preconditioner",
+                    series.preconditioner.empty() ? nlohmann::json() : nlohmann::json(series.preconditioner)},
                    {"backend", series.backend},
                    {"device", series.device},
                    {"software", series.software},
@@ -207,8 +211,8 @@ nlohmann::json converge_json(const ConvergeReport& r) {
 }
 
 std::string converge_csv(const ConvergeReport& r) {
-  std::string text =
-      "method,preconditioner,backend,precision,iteration,ms,residual,energy_error,position_rms,position_max\n";
+  std::string text = "method,preconditioner,backend,precision,iteration,ms,residual,energy_error,position_"
+                     "rms,position_max\n";
   for (const ConvergeSeries& series : r.series)
     for (const ConvergePoint& point : series.points)
       text += fmt::format("{},{},{},{},{},{:.6g},{:.6e},{:.6e},{:.6e},{:.6e}\n", series.method,
@@ -217,7 +221,8 @@ std::string converge_csv(const ConvergeReport& r) {
   return text;
 }
 
-std::vector<std::filesystem::path> write_converge(const ConvergeReport& r, const std::filesystem::path& folder) {
+std::vector<std::filesystem::path> write_converge(const ConvergeReport& r,
+                                                  const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   const auto add = [&](const char* name) { return files.emplace_back(folder / name); };
   write_text_file(add("converge.csv"), converge_csv(r));

@@ -20,8 +20,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double tolerances[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5};
 constexpr unsigned budgets[] = {1, 2, 5, 10, 20, 50, 100, 200, 500};
-constexpr double tight = 1e-8;       ///< relative residual of the references
-constexpr double near_enough = 1.1;  ///< times the least error that a step allows
+constexpr double tight = 1e-8;                              ///< relative residual of the references
+constexpr double near_enough = 1.1;                         ///< times the least error that a step allows
 constexpr double reference_share = 0.3, space_share = 0.35; ///< of the time
 
 struct End {
@@ -40,7 +40,8 @@ class WorkPrecision {
 public:
   WorkPrecision(const Scene& scene, const CurveOptions& options)
       : scene_(scene), options_(options), model_(assemble(scene)),
-        precise_(open_device(double_precision(options.device.threads))), device_(open_device(options.device)) {}
+        precise_(open_device(double_precision(options.device.threads))),
+        device_(open_device(options.device)) {}
 
   CurveReport run() {
     describe();
@@ -99,8 +100,8 @@ private:
       for (const StepStatistics& row : simulation.take_statistics()) {
         end.iterations.push_back(row.iterations);
         if (row.not_finite > 0)
-          throw Error(ExitCode::diverged, fmt::format("step {}: {} particles are no longer finite", row.step,
-                                                      row.not_finite));
+          throw Error(ExitCode::diverged,
+                      fmt::format("step {}: {} particles are no longer finite", row.step, row.not_finite));
       }
       if (total > limit) return std::nullopt;
     }
@@ -118,18 +119,23 @@ private:
       const double each = 2 * frame->ms[0] / 1000, fit = reference_share * left() / std::max(each, 1e-6);
       report_.frames = static_cast<unsigned>(std::clamp(fit, 1.0, static_cast<double>(std::max(all, 1u))));
       if (report_.frames < all)
-        options_.say(fmt::format("{} of {} frames fit the time; --frames asks for more", report_.frames, all));
+        options_.say(
+            fmt::format("{} of {} frames fit the time; --frames asks for more", report_.frames, all));
     }
     report_.duration = report_.frames / scene_.output.fps;
   }
 
   void references() {
     report_.reference_step = whole_step(with_step(report_.time_step / 8));
-    options_.say(fmt::format("reference: steps of {:.4g} s over {:.4g} s", report_.reference_step, report_.duration));
-    finest_ = simulate(*precise_, tight_scene(report_.reference_step), model_, report_.frames, 1e300)->position;
+    options_.say(
+        fmt::format("reference: steps of {:.4g} s over {:.4g} s", report_.reference_step, report_.duration));
+    finest_ =
+        simulate(*precise_, tight_scene(report_.reference_step), model_, report_.frames, 1e300)->position;
     for (const double factor : {2.0, 1.0, 0.5, 0.25}) {
       const double step = whole_step(with_step(factor * report_.time_step));
-      const auto same = [step](const CurveReport::Step& s) { return std::abs(s.time_step - step) < 1e-9 * step; };
+      const auto same = [step](const CurveReport::Step& s) {
+        return std::abs(s.time_step - step) < 1e-9 * step;
+      };
       if (std::any_of(report_.steps.begin(), report_.steps.end(), same)) continue;
       options_.say(fmt::format("tight run with steps of {:.4g} s", step));
       try {
@@ -191,14 +197,16 @@ private:
       for (const double tolerance : tolerances) {
         Scene scene = with_step(report_.steps[s].time_step);
         scene.solver.tolerance = tolerance;
-        if (!timed(scene, s, {.time_step = report_.steps[s].time_step, .tolerance = tolerance}, left() / 6)) break;
+        if (!timed(scene, s, {.time_step = report_.steps[s].time_step, .tolerance = tolerance}, left() / 6))
+          break;
       }
   }
 
   void space() {
-    const auto own = std::find_if(report_.steps.begin(), report_.steps.end(), [&](const CurveReport::Step& step) {
-      return std::abs(step.time_step - report_.time_step) < 1e-9 * report_.time_step;
-    });
+    const auto own =
+        std::find_if(report_.steps.begin(), report_.steps.end(), [&](const CurveReport::Step& step) {
+          return std::abs(step.time_step - report_.time_step) < 1e-9 * report_.time_step;
+        });
     // Eight times the particles, and more iterations.
     const double expected = 16 * own->ms / 1000 * report_.frames;
     if (expected > space_share * options_.total_seconds || expected > left()) {
@@ -222,7 +230,8 @@ private:
   }
 
   /// Displacements of the fine run, fitted linearly to the eight particles around each coarse one.
-  void compare(const Model& fine, const std::vector<Vector3>& fine_end, const std::vector<Vector3>& coarse_end) {
+  void compare(const Model& fine, const std::vector<Vector3>& fine_end,
+               const std::vector<Vector3>& coarse_end) {
     double sum = 0;
     std::size_t probes = 0;
     const double reach = 0.75 * model_.spacing;
@@ -238,7 +247,8 @@ private:
         for (std::size_t r = 0; r < around.size(); ++r) {
           const auto row = static_cast<Eigen::Index>(r);
           places(row, 0) = 1;
-          places.block<1, 3>(row, 1) = (fine.position[around[r]] - model_.position[i]).transpose() / model_.spacing;
+          places.block<1, 3>(row, 1) =
+              (fine.position[around[r]] - model_.position[i]).transpose() / model_.spacing;
           moves.row(row) = (fine_end[around[r]] - fine.position[around[r]]).transpose();
         }
         const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> fit(places);
@@ -253,7 +263,8 @@ private:
       return;
     }
     report_.space_error = std::sqrt(sum / static_cast<double>(probes)) / model_.spacing;
-    report_.space_note = fmt::format("against {} particles at {} of {} places", fine.count(), probes, model_.count());
+    report_.space_note =
+        fmt::format("against {} particles at {} of {} places", fine.count(), probes, model_.count());
   }
 
   void judge() {

@@ -30,11 +30,11 @@ struct CurveOptions {
 
 /// One run.
 struct CurvePoint {
-  double time_step = 0;                          ///< s
-  double tolerance = 0;                          ///< 0 where a budget was given
-  unsigned budget = 0;                           ///< iterations of every step; 0 where a tolerance was given
-  double iterations = 0;                         ///< of a step, median
-  double ms = 0, ms_worst = 0;                   ///< a frame: median, 95 % of frames below
+  double time_step = 0;        ///< s
+  double tolerance = 0;        ///< 0 where a budget was given
+  unsigned budget = 0;         ///< iterations of every step; 0 where a tolerance was given
+  double iterations = 0;       ///< of a step, median
+  double ms = 0, ms_worst = 0; ///< a frame: median, 95 % of frames below
   double solver_error = 0, total_error = 0, total_max = 0; ///< spacings: rms, rms, largest
 };
 
@@ -70,6 +70,7 @@ std::string curve_text(const CurveReport& report);
 nlohmann::json curve_json(const CurveReport& report);
 std::string curve_csv(const CurveReport& report);
 /// converge-run.csv, .json, .svg and .png; returns the paths. Throws Error(input_output).
-std::vector<std::filesystem::path> write_curve(const CurveReport& report, const std::filesystem::path& folder);
+std::vector<std::filesystem::path> write_curve(const CurveReport& report,
+                                               const std::filesystem::path& folder);
 
 } // namespace pliant

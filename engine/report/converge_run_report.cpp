@@ -13,7 +13,8 @@ namespace pliant {
 namespace {
 
 std::string setting(const CurvePoint& point) {
-  return point.budget ? fmt::format("{} iterations", point.budget) : fmt::format("tolerance {:.0e}", point.tolerance);
+  return point.budget ? fmt::format("{} iterations", point.budget)
+                      : fmt::format("tolerance {:.0e}", point.tolerance);
 }
 
 nlohmann::json number(double value) {
@@ -22,23 +23,26 @@ nlohmann::json number(double value) {
 
 Plot plot_of(const CurveReport& r) {
   Plot plot;
-  plot.title = fmt::format("{}: position error after {:.3g} s against run time, {}, {} particles, {}", r.scene,
-                           r.duration, r.method, r.particles, r.precision);
+  plot.title = fmt::format("{}: position error after {:.3g} s against run time, {}, {} particles, {}",
+                           r.scene, r.duration, r.method, r.particles, r.precision);
   plot.x_label = "run time of a frame (ms, median)";
   plot.y_label = "position error at the end (rms, spacings)";
   plot.log_x = plot.log_y = true;
   plot.width = 1200, plot.height = 720;
   constexpr Colour colours[] = {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {204, 121, 167}};
   double fastest = 1e300, slowest = 0;
-  for (const CurvePoint& point : r.points) fastest = std::min(fastest, point.ms), slowest = std::max(slowest, point.ms);
+  for (const CurvePoint& point : r.points)
+    fastest = std::min(fastest, point.ms), slowest = std::max(slowest, point.ms);
   for (std::size_t s = 0; s < r.steps.size(); ++s) {
     Series total, solver;
     total.label = fmt::format("step {:.4g} s, tolerances: total", r.steps[s].time_step);
     solver.label = fmt::format("step {:.4g} s, tolerances: solver's part", r.steps[s].time_step);
     total.style = {.colour = colours[s % 4], .shape = static_cast<unsigned>(s)};
-    solver.style = {.colour = colours[s % 4], .shape = static_cast<unsigned>(s), .markers = false, .dashed = 1};
+    solver.style = {
+        .colour = colours[s % 4], .shape = static_cast<unsigned>(s), .markers = false, .dashed = 1};
     for (const CurvePoint& point : r.points) {
-      if (point.budget > 0 || std::abs(point.time_step - r.steps[s].time_step) > 1e-9 * point.time_step) continue;
+      if (point.budget > 0 || std::abs(point.time_step - r.steps[s].time_step) > 1e-9 * point.time_step)
+        continue;
       total.x.push_back(point.ms), total.y.push_back(point.total_error);
       solver.x.push_back(point.ms), solver.y.push_back(point.solver_error);
     }
@@ -64,38 +68,45 @@ Plot plot_of(const CurveReport& r) {
 } // namespace
 
 std::string curve_text(const CurveReport& r) {
-  std::string text = fmt::format("scene {}: {} particles, {} bonds, stiffness number {:.4g}; {} frames, {:.4g} s\n"
-                                 "{} on {}, {}, {} threads\n\n",
-                                 r.scene, r.particles, r.bonds, r.stiffness_number, r.frames, r.duration, r.method,
-                                 r.device, r.precision, r.threads);
+  std::string text =
+      fmt::format("scene {}: {} particles, {} bonds, stiffness number {:.4g}; {} frames, {:.4g} s\n"
+                  "{} on {}, {}, {} threads\n\n",
+                  r.scene, r.particles, r.bonds, r.stiffness_number, r.frames, r.duration, r.method, r.device,
+                  r.precision, r.threads);
   text += fmt::format("  {:<12}{:<18}{:>12}{:>12}{:>10}{:>12}{:>12}{:>12}\n", "step (s)", "", "iterations",
                       "ms a frame", "95 %", "solver", "total rms", "largest");
   for (const CurvePoint& p : r.points)
-    text += fmt::format("  {:<12.4g}{:<18}{:>12.4g}{:>12.4g}{:>10.4g}{:>12.2e}{:>12.2e}{:>12.2e}\n", p.time_step,
-                        setting(p), p.iterations, p.ms, p.ms_worst, p.solver_error, p.total_error, p.total_max);
-  text += fmt::format("Errors in spacings at the end. Solver: to the tight run of the same step. Total: to the tight "
-                      "run with steps of {:.4g} s.\n\n",
-                      r.reference_step);
+    text +=
+        fmt::format("  {:<12.4g}{:<18}{:>12.4g}{:>12.4g}{:>10.4g}{:>12.2e}{:>12.2e}{:>12.2e}\n", p.time_step,
+                    setting(p), p.iterations, p.ms, p.ms_worst, p.solver_error, p.total_error, p.total_max);
+  text += fmt::format(
+      "Errors in spacings at the end. Solver: to the tight run of the same step. Total: to the tight "
+      "run with steps of {:.4g} s.\n\n",
+      r.reference_step);
   text += "Split of the error (spacings, rms)\n";
   for (const CurveReport::Step& step : r.steps)
-    text += fmt::format("  time, step {:.4g} s: {:.2e}{}\n", step.time_step, step.time_error,
-                        std::abs(step.time_step - r.time_step) < 1e-9 * r.time_step ? "   (the scene's)" : "");
+    text +=
+        fmt::format("  time, step {:.4g} s: {:.2e}{}\n", step.time_step, step.time_error,
+                    std::abs(step.time_step - r.time_step) < 1e-9 * r.time_step ? "   (the scene's)" : "");
   text += r.space_error ? fmt::format("  space, spacing {:.4g} m: {:.2e}   ({})\n", r.spacing, *r.space_error,
                                       r.space_note)
                         : fmt::format("  space: {}\n", r.space_note);
   text += "  model: left out, there is no closed form for this scene\n";
   if (r.enough)
-    text += fmt::format("Beyond {} iterations a step the solver's error is below that of {}: more are wasted at this "
-                        "step and spacing.\n",
-                        *r.enough, r.space_error && *r.space_error > r.time_error() ? "the spacing" : "the step");
+    text += fmt::format(
+        "Beyond {} iterations a step the solver's error is below that of {}: more are wasted at this "
+        "step and spacing.\n",
+        *r.enough, r.space_error && *r.space_error > r.time_error() ? "the spacing" : "the step");
   else
-    text += "No budget tried brings the solver's error below that of the step: more iterations, a lower tolerance or "
+    text += "No budget tried brings the solver's error below that of the step: more iterations, a lower "
+            "tolerance or "
             "another solver pay.\n";
   if (r.pick) {
     const CurvePoint& p = r.points[*r.pick];
-    text += fmt::format("Pick solver.tolerance = {:.0e} and simulation.time_step = {:.4g}: {:.3g} ms a frame, {:.2e} "
-                        "spacings after {:.3g} s.\n",
-                        p.tolerance, p.time_step, p.ms, p.total_error, r.duration);
+    text += fmt::format(
+        "Pick solver.tolerance = {:.0e} and simulation.time_step = {:.4g}: {:.3g} ms a frame, {:.2e} "
+        "spacings after {:.3g} s.\n",
+        p.tolerance, p.time_step, p.ms, p.total_error, r.duration);
   }
   for (const std::string& line : r.left_out) text += fmt::format("left out: {}\n", line);
   return text;
@@ -114,10 +125,11 @@ nlohmann::json curve_json(const CurveReport& r) {
                       {"total_error", number(p.total_error)},
                       {"total_max", number(p.total_max)}});
   for (const CurveReport::Step& step : r.steps)
-    steps.push_back({{"time_step", step.time_step}, {"time_error", number(step.time_error)}, {"tight_ms_frame", step.ms}});
+    steps.push_back({{"time_step", step.time_step},
+                     {"time_error", number(step.time_error)},
+                     {"tight_ms_frame", step.ms}});
   nlohmann::json pick;
-  if (r.pick)
-    pick = {{"tolerance", r.points[*r.pick].tolerance}, {"time_step", r.points[*r.pick].time_step}};
+  if (r.pick) pick = {{"tolerance", r.points[*r.pick].tolerance}, {"time_step", r.points[*r.pick].time_step}};
   return {{"scene", r.scene},
           {"particles", r.particles},
           {"bonds", r.bonds},
@@ -144,11 +156,13 @@ nlohmann::json curve_json(const CurveReport& r) {
 }
 
 std::string curve_csv(const CurveReport& r) {
-  std::string text = "time_step,tolerance,budget,iterations,ms_frame,ms_frame_p95,solver_error,total_error,total_max\n";
+  std::string text =
+      "time_step,tolerance,budget,iterations,ms_frame,ms_frame_p95,solver_error,total_error,total_max\n";
   for (const CurvePoint& p : r.points)
     text += fmt::format("{:.9g},{},{},{},{:.6g},{:.6g},{:.6e},{:.6e},{:.6e}\n", p.time_step,
-                        p.budget ? "" : fmt::format("{:g}", p.tolerance), p.budget ? fmt::format("{}", p.budget) : "",
-                        p.iterations, p.ms, p.ms_worst, p.solver_error, p.total_error, p.total_max);
+                        p.budget ? "" : fmt::format("{:g}", p.tolerance),
+                        p.budget ? fmt::format("{}", p.budget) : "", p.iterations, p.ms, p.ms_worst,
+                        p.solver_error, p.total_error, p.total_max);
   return text;
 }
 
