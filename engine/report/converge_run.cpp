@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
+#include <numeric>
 
 namespace pliant {
 
@@ -20,7 +21,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double tolerances[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5};
 constexpr unsigned budgets[] = {1, 2, 5, 10, 20, 50, 100, 200, 500};
-constexpr double tight = 1e-8;                              ///< relative residual of the references
+constexpr double tight = 1e-8;       ///< relative residual of the references
+constexpr double repeat_below = 300; ///< ms: shorter runs are repeated
+constexpr unsigned repeats = 5;
 constexpr double near_enough = 1.1;                         ///< times the least error that a step allows
 constexpr double reference_share = 0.3, space_share = 0.35; ///< of the time
 
@@ -169,6 +172,12 @@ private:
     if (!end) {
       report_.left_out.push_back(fmt::format("{}: more than {:.3g} s", label, limit));
       return false;
+    }
+    // A short run says little about its time: the same again, for the clock alone.
+    const auto spent = [&] { return std::accumulate(end->ms.begin(), end->ms.end(), 0.0); };
+    for (unsigned again = 1; again < repeats && spent() < repeat_below; ++again) {
+      const std::optional<End> more = simulate(*device_, scene, model_, report_.frames, limit);
+      if (more) end->ms.insert(end->ms.end(), more->ms.begin(), more->ms.end());
     }
     point.ms = part(end->ms, 0.5), point.ms_worst = part(end->ms, 0.95);
     point.iterations = part(end->iterations, 0.5);
