@@ -53,7 +53,11 @@ bool clip(Point& a, Point& b, const Box& box) {
   return true;
 }
 
-std::vector<std::vector<Point>> dashed(const std::vector<std::vector<Point>>& lines, double on, double off) {
+// `kind`: see SeriesStyle; `width`: of the line.
+std::vector<std::vector<Point>> dashed(const std::vector<std::vector<Point>>& lines, unsigned kind, double width) {
+  constexpr std::array<std::array<double, 2>, 3> patterns = {{{3, 3}, {1, 2}, {7, 3}}};
+  if (kind % 4 == 0) return lines;
+  const double on = patterns[kind % 4 - 1][0] * width, off = patterns[kind % 4 - 1][1] * width;
   std::vector<std::vector<Point>> dashes;
   for (const auto& line : lines) {
     double travelled = 0;
@@ -332,8 +336,7 @@ void Sheet::draw_legend(Canvas& canvas) const {
     const double left = b.left + sizes_.gap, right = left + 3.5 * sizes_.gap;
     const std::vector<std::vector<Point>> sample = {{{left, y}, {right, y}}};
     if (series.style.line)
-      canvas.lines(series.style.dashed ? dashed(sample, 3 * sizes_.line, 3 * sizes_.line) : sample,
-                   sizes_.line, colour_of(plot_, i));
+      canvas.lines(dashed(sample, series.style.dashed, sizes_.line), sizes_.line, colour_of(plot_, i));
     if (series.style.markers)
       draw_marker(canvas, {(left + right) / 2, y}, shape_of(plot_, i), sizes_.marker, colour_of(plot_, i));
     canvas.text({right + sizes_.gap, y - sizes_.tick / 2}, series.label, sizes_.tick, ink, Anchor::start,
@@ -348,9 +351,7 @@ void Sheet::draw(Canvas& canvas) const {
   for (std::size_t i = 0; i < curves_.size(); ++i) {
     const Curve& curve = curves_[i];
     const Colour colour = colour_of(plot_, i);
-    canvas.lines(plot_.series[i].style.dashed ? dashed(curve.lines, 3 * sizes_.line, 3 * sizes_.line)
-                                              : curve.lines,
-                 sizes_.line, colour);
+    canvas.lines(dashed(curve.lines, plot_.series[i].style.dashed, sizes_.line), sizes_.line, colour);
     for (const Point& marker : curve.markers)
       draw_marker(canvas, marker, shape_of(plot_, i), sizes_.marker, colour);
     empty = empty && curve.lines.empty() && curve.markers.empty();

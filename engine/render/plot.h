@@ -17,7 +17,7 @@ struct SeriesStyle {
       shape; ///< 0 circle, 1 square, 2 triangle, 3 diamond, 4 triangle down, 5 cross, 6 plus; else the next
   bool line = true;
   bool markers = true; ///< thinned where they would touch along a line
-  bool dashed = false;
+  unsigned dashed = 0; ///< 0 unbroken, 1 dashes, 2 dots, 3 long dashes; then again
 };
 
 struct Series {

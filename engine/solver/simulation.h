@@ -63,15 +63,24 @@ public:
   void step();
 
   /// A step in parts, for tools that watch the solve; step() is these. iterate() returns true once the solve
-  /// has ended, by its own criterion or by the cap.
+  /// has ended, by its own criterion or by the cap. `look`: judge this iterate too where the method would not
+  /// yet, so that iterate_positions() is up to date.
   void begin_solving();
-  bool iterate();
+  bool iterate(bool look = false);
   void end_solving();
   /// m, world: where the step would end now. Between begin_solving() and end_solving().
   std::vector<Vector3> iterate_positions();
   /// Phi of Eq. 13 at world positions, J: inertia, elasticity and contacts without friction. After
   /// begin_solving(), which fixes y*; the solve cannot go on afterwards.
   double potential(const std::vector<Vector3>& positions);
+  /// That, and the residual of Eq. 12 there in the D^-1 norm, sqrt(N m). The potential is not a number where the
+  /// plan has no energies.
+  struct Evaluation {
+    double potential = 0, residual = 0;
+  };
+  Evaluation evaluate(const std::vector<Vector3>& positions);
+  /// Another first guess, m, world: right after begin_solving(). Held particles stay where they are told to be.
+  void start_from(const std::vector<Vector3>& positions);
 
   const Plan& plan() const { return plan_; }
   Device& device() { return device_; }

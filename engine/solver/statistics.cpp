@@ -1,14 +1,17 @@
 // Rows of statistics, and forces and energies for tests and tools.
 #include "engine/core/error.h"
 #include "engine/solver/elasticity.h"
+#include "engine/solver/global_step.h"
 #include "engine/solver/simulation.h"
 #include "engine/solver/state.h"
 #include "kernels/all.h"
 #include "shaders/common/solver.glsl"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <fmt/format.h>
+#include <limits>
 
 namespace pliant {
 
@@ -156,24 +159,55 @@ std::vector<Vector3> Simulation::iterate_positions() {
 
 double Simulation::potential(const std::vector<Vector3>& positions) {
   if (!plan_.energy) throw Error(ExitCode::internal, "energies are not in this simulation's plan");
+  return evaluate(positions).potential;
+}
+
+Simulation::Evaluation Simulation::evaluate(const std::vector<Vector3>& positions) {
   SimulationState& s = *state_;
   load_displacement(positions);
   elasticity_->force();
-  elasticity_->energy(s.best_iterate);
-  if (contacts_ && plan_.method.potential) {
+  if (plan_.energy) elasticity_->energy(s.best_iterate);
+  if (contacts_) {
     contacts_->find(contact_state(s));
     contacts_->add_forces(contact_state(s));
   }
-  double sum = 0;
-  for (double e : device_.download_real(s.energy)) sum += e;
   const std::vector<Real4<double>> target = device_.download_real4(s.inertia_target),
-                                   u = device_.download_real4(s.best_iterate);
+                                   u = device_.download_real4(s.best_iterate),
+                                   force = device_.download_real4(s.force);
+  Evaluation sum;
+  if (plan_.energy)
+    for (double e : device_.download_real(s.energy)) sum.potential += e;
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    const double inertia = target[i].w;
+    if (inertia < 0) continue; // held
+    const Vector3 away(target[i].x - u[i].x, target[i].y - u[i].y, target[i].z - u[i].z);
+    const Vector3 f(force[i].x, force[i].y, force[i].z);
+    sum.potential += inertia / 2 * away.squaredNorm();
+    sum.residual += (inertia * away + f).squaredNorm() / (inertia + force[i].w);
+  }
+  sum.residual = std::sqrt(sum.residual);
+  if (!plan_.energy) sum.potential = std::numeric_limits<double>::quiet_NaN();
+  return sum;
+}
+
+void Simulation::start_from(const std::vector<Vector3>& positions) {
+  SimulationState& s = *state_;
+  const std::vector<Real4<double>> y = device_.download_real4(s.position),
+                                   o = device_.download_real4(s.origin),
+                                   target = device_.download_real4(s.inertia_target);
+  std::vector<Real4<double>> u = device_.download_real4(s.displacement);
   for (std::size_t i = 0; i < u.size(); ++i) {
     if (target[i].w < 0) continue;
-    const Vector3 away(u[i].x - target[i].x, u[i].y - target[i].y, u[i].z - target[i].z);
-    sum += target[i].w / 2 * away.squaredNorm();
+    const Real4<double>& body = o[model_.body[i]];
+    const Vector3 x = positions[i] - scene_origin_ - Vector3(body.x + y[i].x, body.y + y[i].y, body.z + y[i].z);
+    u[i] = {x.x(), x.y(), x.z(), 0};
   }
-  return sum;
+  device_.upload(s.displacement, u);
+  device_.copy(s.displacement, s.best_iterate);
+  global_step_->begin({.step = solve_step_,
+                       .stiffness_number = stiffness_number_,
+                       .floor = floor_,
+                       .cap = scene_.solver.iterations});
 }
 
 std::string Simulation::hash() {

@@ -44,10 +44,10 @@ void Simulation::begin_solving() {
   iteration_ = 0;
 }
 
-bool Simulation::iterate() {
+bool Simulation::iterate(bool look) {
   const unsigned k = iteration_++, cap = scene_.solver.iterations;
   const bool search = plan_.pairs && searches(k) && k < cap;
-  const bool checked = k % global_step_->check_every() == 0 || k == cap || search;
+  const bool checked = look || k % global_step_->check_every() == 0 || k == cap || search;
   if (search) {
     if (k > 0) global_step_->restart();
     contacts_->find(contact_state(*state_));
