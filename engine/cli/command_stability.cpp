@@ -26,7 +26,8 @@ ExitCode stability(Options& options, bool minutes_given) {
   const Scene scene = read_scene(options.scene.named(options.json), options.scene.overrides);
   if (sweep.full && !minutes_given) sweep.minutes = 0;
   const std::filesystem::path folder =
-      options.out.empty() ? std::filesystem::path("out") / (scene.name + "-stability") : options.out;
+      options.out.empty() ? std::filesystem::path("out") / (scene.name + "-stability")
+                          : std::filesystem::path(options.out);
   prepare_output_folder(folder);
   const StabilityReport report = sweep_stability(scene, sweep);
   write_stability(report, folder);
