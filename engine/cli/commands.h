@@ -24,6 +24,7 @@ void add_plan(CLI::App& program, Action& action);
 void add_check(CLI::App& program, Action& action);
 void add_converge(CLI::App& program, Action& action);
 void add_verify(CLI::App& program, Action& action);
+void add_stability(CLI::App& program, Action& action);
 void add_bench(CLI::App& program, Action& action);
 void add_doctor(CLI::App& program, Action& action);
 void add_scenes(CLI::App& program, Action& action);

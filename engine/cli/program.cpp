@@ -67,6 +67,7 @@ int parse_and_run(int argc, char** argv) {
   cli::add_check(program, action);
   cli::add_converge(program, action);
   cli::add_verify(program, action);
+  cli::add_stability(program, action);
   cli::add_bench(program, action);
   cli::add_doctor(program, action);
   cli::add_scenes(program, action);
