@@ -67,9 +67,9 @@ TEST_P(Derivative, Products) {
       SolveRig rig(*open, world.scene, world.model), exact(*host, world.scene, world.model);
       rig.forces(world.u), exact.forces(world.u);
       const std::vector<Vector3> p = field(world.model.count(), 4, 0.01);
-      // Sums of some 30 bonds, each of differences of places of ten spacings; 40 seen.
+      // Sums of some 30 bonds, each of differences of places of ten spacings: 1 seen.
       expect_below(std::string(law) + (friction > 0 ? ", friction" : "") + ": product, roundings",
-                   measured(rig.product(p), exact.product(p)), 400);
+                   measured(rig.product(p), exact.product(p)), 10);
     }
 }
 
@@ -81,9 +81,9 @@ TEST_P(Derivative, Multilevel) {
     rig.forces(world.u), exact.forces(world.u);
     rig.refresh(), exact.refresh();
     const std::vector<Vector3> r = field(world.model.count(), 5, 10);
-    // The last level's matrix has a condition of the stiffness number, about 1e3.
+    // Sums of some hundred terms on each of three levels; 2 seen.
     expect_below(std::string(law) + ": preconditioned, roundings",
-                 measured(rig.precondition(r), exact.precondition(r)), 2e4);
+                 measured(rig.precondition(r), exact.precondition(r)), 40);
   }
 }
 
