@@ -95,7 +95,7 @@ void main() {
     float hold = k;
     if (traits.z == 0.0) {
       float limit = traits.y * length(push), distance_slid = length(slide);
-      if (k * distance_slid > limit) hold = limit / distance_slid;
+      if (!(k * distance_slid < limit)) hold = distance_slid > 0.0 ? limit / distance_slid : 0.0; // without friction: none
     }
     f.xyz += push - hold * slide;
     f.w += k;

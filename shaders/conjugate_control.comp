@@ -45,15 +45,15 @@ void main() {
 #else
   float keep = 0.0;
   if (solver[SOLVER_INNER] == 0.0) {
-    float forcing = min(0.1, sqrt(solver[SOLVER_BEST] / solver[SOLVER_FIRST]));
-    solver[SOLVER_RZ_ENOUGH] = forcing * forcing * found;
-    solver[SOLVER_SLOPE] = 0.0;
     if (!(found > 0.0) || isinf(found)) { // the residual is zero, or no number
       solver[SOLVER_LINEAR] = 0.0;
       solver[SOLVER_STOP] = 1.0;
       solver[SOLVER_REASON] = 4.0;
       return;
     }
+    float forcing = min(0.1, sqrt(solver[SOLVER_BEST] / solver[SOLVER_FIRST]));
+    solver[SOLVER_RZ_ENOUGH] = forcing * forcing * found;
+    solver[SOLVER_SLOPE] = 0.0;
   } else {
     if (!(found > solver[SOLVER_RZ_ENOUGH]) || last != 0u) {
       solver[SOLVER_ACTION] = 2.0;

@@ -23,7 +23,8 @@ void main() {
     vec3 n = r2 > 1e-12 * d2 ? y / r : agreed_direction(i, j);
     float normal = k * (contact_distance - r);
     slide -= dot(n, slide) * n;
-    float slid = length(slide), hold = k * slid > friction * normal ? friction * normal / slid : k;
+    float slid = length(slide), most = friction * normal;
+    float hold = k * slid < most ? k : slid > 0.0 ? most / slid : 0.0; // no friction: none
     rate += hold * relative + ((k - hold) * dot(n, relative)) * n;
   }
   force[i].xyz += rate;

@@ -18,8 +18,9 @@ namespace pliant {
 namespace {
 
 constexpr const char* component = "preconditioner";
-/// Of block Jacobi. From about .5 on the cycle is no longer positive definite.
-constexpr double relaxation = 0.45;
+/// Of block Jacobi. The cycle is positive definite below 2 over the largest eigenvalue of the inverse blocks
+/// times the matrix, which is 2.6 at a Poisson's ratio of .3 and nearly 5 at .499.
+constexpr double relaxation = 0.4;
 
 bool rotates(const Model& model) {
   for (const LawRange& range : model.laws)

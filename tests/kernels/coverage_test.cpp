@@ -10,6 +10,10 @@ namespace {
 // Kernels that are steps of one search or one force are tested as a chain, in a file of the chain's name.
 std::string chain_of(const std::string& kernel) {
   if (kernel == "boundary_contact") return "boundary";
+  if (kernel == "residual" || kernel.rfind("line_", 0) == 0) return "line_search";
+  if (kernel.rfind("conjugate_", 0) == 0) return "conjugate";
+  for (const char* part : {"coarse_", "_tangent", "_product", "precondition"})
+    if (kernel.find(part) != std::string::npos) return "derivative";
   return kernel.rfind("grid_", 0) == 0 || kernel.rfind("contact_", 0) == 0 ? "pairs" : kernel;
 }
 

@@ -197,7 +197,7 @@ template <class real> void boundary_contact(const kernels::boundary_contact::Vie
       real hold = stiffness;
       if (traits.z == 0) {
         const real limit = traits.y * norm(push), slid = norm(slide);
-        if (stiffness * slid > limit) hold = limit / slid;
+        if (!(stiffness * slid < limit)) hold = slid > 0 ? limit / slid : 0; // without friction: none
       }
       f.x += push.x - hold * slide.x;
       f.y += push.y - hold * slide.y;

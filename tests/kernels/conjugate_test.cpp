@@ -1,0 +1,145 @@
+// conjugate_control, conjugate_direction, conjugate_update: the recurrence and its ends.
+#include "kernels/conjugate_control.h"
+#include "kernels/conjugate_direction.h"
+#include "kernels/conjugate_update.h"
+#include "shaders/common/solver.glsl"
+#include "tests/support/kernel_particles.h"
+
+namespace pliant::test {
+namespace {
+
+PLIANT_ON_EVERY_DEVICE(Conjugate);
+
+constexpr double limit = 8; // a product and a sum; a root and a division
+using Changes = std::map<std::size_t, double>;
+
+// The third iteration: the last r . z was 16, they end at 1; the residual is 4 of the first 400.
+std::vector<double> under_way() {
+  std::vector<double> solver(SOLVER_ENTRIES, 0.0);
+  solver[SOLVER_LINEAR] = 1;
+  solver[SOLVER_STOP] = 0.5;
+  solver[SOLVER_FIRST] = 400;
+  solver[SOLVER_BEST] = 4;
+  solver[SOLVER_COUNT] = 10;
+  solver[SOLVER_INNER] = 2;
+  solver[SOLVER_RZ] = 16;
+  solver[SOLVER_RZ_ENOUGH] = 1;
+  solver[SOLVER_SLOPE] = 5;
+  solver[SOLVER_LENGTH] = 0.25;
+  solver[SOLVER_CG_STEP] = 7;
+  solver[SOLVER_CG_KEEP] = 9;
+  return solver;
+}
+
+void expect_case(const DeviceChoice& choice, const char* name, bool after, double found,
+                 const Changes& before, const Changes& changes, bool last = false) {
+  SCOPED_TRACE(name);
+  std::vector<double> solver = under_way();
+  for (const auto& [entry, value] : before) solver[entry] = value;
+  Expected wanted(solver);
+  wanted.set(SOLVER_ACTION, 0);
+  if (after && solver[SOLVER_LINEAR] > 0) wanted.set(SOLVER_COUNT, 11);
+  for (const auto& [entry, value] : changes) wanted.set(entry, value, std::abs(value));
+  expect_kernel<kernels::conjugate_control::Args>(
+      choice, kernels::conjugate_control::group_size,
+      {{"after", {double(after)}},
+       {"partial_count", {2}},
+       {"last", {double(last)}},
+       {"solve_partial", {found - 1, 5, 5, 5, 1, 5, 5, 5, sentinel, 0, 0, 0}},
+       {"solver", solver}},
+      {{"solver", wanted}}, limit);
+}
+
+Changes with(Changes changes, const Changes& more) {
+  for (const auto& [entry, value] : more) changes[entry] = value;
+  return changes;
+}
+const Changes complete{{SOLVER_ACTION, 2}, {SOLVER_LINEAR, 0}, {SOLVER_STOP, 0}, {SOLVER_LENGTH, 1}};
+
+TEST_P(Conjugate, BeforeTheProduct) {
+  const DeviceChoice& on = GetParam();
+  expect_case(on, "goes on", false, 4, {}, {{SOLVER_ACTION, 1}, {SOLVER_CG_KEEP, 0.25}, {SOLVER_RZ, 4}});
+  expect_case(on, "enough", false, 0.5, {}, complete);
+  expect_case(on, "no iteration is left", false, 4, {}, complete, true);
+  expect_case(on, "not a number ends them", false, not_a_number, {}, complete);
+  const Changes first{{SOLVER_INNER, 0}};
+  const Changes begun{{SOLVER_ACTION, 1}, {SOLVER_CG_KEEP, 0}, {SOLVER_RZ, 8}, {SOLVER_SLOPE, 0}};
+  expect_case(on, "first, .1 of the residual", false, 8, first, with(begun, {{SOLVER_RZ_ENOUGH, 8 * 0.01}}));
+  expect_case(on, "first, tighter near the end", false, 8, {{SOLVER_INNER, 0}, {SOLVER_BEST, 0.015625}},
+              with(begun, {{SOLVER_RZ_ENOUGH, 8 * 0.015625 / 400}}));
+  const Changes over{{SOLVER_LINEAR, 0}, {SOLVER_STOP, 1}, {SOLVER_REASON, 4}};
+  for (const double nothing : {0.0, -1.0, not_a_number, anything})
+    expect_case(on, "nothing to descend", false, nothing, first, over);
+  expect_case(on, "no direction is wanted", false, 4, {{SOLVER_LINEAR, 0}, {SOLVER_ACTION, 1}}, {});
+}
+
+TEST_P(Conjugate, AfterTheProduct) {
+  const DeviceChoice& on = GetParam();
+  const Changes step{{SOLVER_ACTION, 1}, {SOLVER_CG_STEP, 0.5}, {SOLVER_SLOPE, 13}, {SOLVER_INNER, 3}};
+  expect_case(on, "a step", true, 32, {}, step);
+  expect_case(on, "the last one", true, 32, {}, with(step, complete), true);
+  expect_case(on, "one alone, where caution is due", true, 32, {{SOLVER_CAUTIOUS, 1}}, with(step, complete));
+  for (const double found : {0.0, -3.0, not_a_number, anything}) {
+    expect_case(on, "no positive curvature: what there is", true, found, {},
+                with(complete, {{SOLVER_CG_STEP, 0}}));
+    expect_case(on, "none at first: the preconditioned gradient", true, found,
+                {{SOLVER_INNER, 0}, {SOLVER_SLOPE, 0}},
+                with(complete, {{SOLVER_CG_STEP, 1}, {SOLVER_SLOPE, 16}}));
+  }
+  expect_case(on, "no direction is wanted", true, 32, {{SOLVER_LINEAR, 0}, {SOLVER_ACTION, 2}}, {});
+}
+
+TEST_P(Conjugate, DirectionAndUpdate) {
+  for (const std::size_t count : awkward_sizes)
+    for (const int action : {0, 1, 2})
+      for (const int inner : {0, 2}) {
+        Random random(kernel_seed + 42);
+        const std::vector<double> z = random_groups(random, count, 0.01),
+                                  best = random_groups(random, count, 0.01),
+                                  p = random_groups(random, count, 0.01),
+                                  d = random_groups(random, count, 0.01), q = random_groups(random, count, 9),
+                                  r = random_groups(random, count, 9), u = random_groups(random, count, 0.01);
+        std::vector<double> solver(SOLVER_ENTRIES, not_a_number);
+        solver[SOLVER_ACTION] = action;
+        solver[SOLVER_INNER] = inner;
+        solver[SOLVER_CG_KEEP] = 0.375;
+        solver[SOLVER_CG_STEP] = 0.625;
+        const auto threads = static_cast<std::uint32_t>(count);
+        Values in{{"solver", solver},           {"preconditioned", z},      {"best_iterate", best},
+                  {"direction", guarded(p, 4)}, {"descent", guarded(d, 4)}, {"displacement", guarded(u, 4)}};
+        Expected direction(in["direction"]), descent(in["descent"]), moved(in["displacement"]);
+        for (std::size_t k = 0; k < 4 * count; ++k) {
+          if (action == 2) moved.set(k, best[k] + d[k], std::abs(best[k]) + std::abs(d[k]));
+          if (action != 1) continue;
+          if (inner > 0) {
+            direction.set(k, z[k] + 0.375 * p[k], std::abs(z[k]) + std::abs(p[k]));
+          } else {
+            direction.set(k, z[k]);
+            descent.set(k, 0);
+          }
+        }
+        expect_kernel<kernels::conjugate_direction::Args>(
+            GetParam(), threads, in,
+            {{"direction", direction}, {"descent", descent}, {"displacement", moved}}, limit);
+        in = {{"solver", solver},
+              {"direction", p},
+              {"force", q},
+              {"best_iterate", best},
+              {"descent", guarded(d, 4)},
+              {"residual", guarded(r, 4)},
+              {"displacement", guarded(u, 4)}};
+        Expected grown(in["descent"]), left(in["residual"]), end(in["displacement"]);
+        for (std::size_t k = 0; k < 4 * count; ++k) {
+          if (action == 0) continue;
+          const double sum = d[k] + 0.625 * p[k], size = std::abs(d[k]) + std::abs(p[k]);
+          grown.set(k, sum, size);
+          if (action == 2) end.set(k, best[k] + sum, std::abs(best[k]) + size);
+          if (action == 1 && k % 4 < 3) left.set(k, r[k] - 0.625 * q[k], std::abs(r[k]) + std::abs(q[k]));
+        }
+        expect_kernel<kernels::conjugate_update::Args>(
+            GetParam(), threads, in, {{"descent", grown}, {"residual", left}, {"displacement", end}}, limit);
+      }
+}
+
+} // namespace
+} // namespace pliant::test
