@@ -77,7 +77,7 @@ std::vector<Variant> wanted_variants(const std::vector<std::string>& only) {
 }
 
 struct Place {
-  DeviceRequest request;
+  DeviceRequest request{};
   std::string backend, precision;
   bool software = false;
 };
@@ -92,8 +92,9 @@ std::vector<Place> wanted_places(const ConvergeOptions& options, std::vector<std
       throw Error(ExitCode::usage, "unknown backend '" + name + "'; there are openmp, gl and gl:N");
   std::vector<Place> places;
   if (asked("openmp")) {
-    places.push_back({double_precision(options.threads), "openmp", "double", false});
-    places.push_back({{"openmp", Precision::single_precision, options.threads}, "openmp", "float", false});
+    const DeviceRequest single{"openmp", Precision::single_precision, options.threads};
+    places.push_back(Place{double_precision(options.threads), "openmp", "double", false});
+    places.push_back(Place{single, "openmp", "float", false});
   }
   std::set<std::string> found;
   for (const DeviceListing& listing : list_devices()) {
@@ -103,8 +104,11 @@ std::vector<Place> wanted_places(const ConvergeOptions& options, std::vector<std
     if (!asked(name) && !(asked("gl") && (listing.index == 0 || options.backends.empty()))) continue;
     if (!listing.usable)
       left_out.push_back(fmt::format("{} ({}): {}", name, listing.name, listing.missing));
-    else
-      places.push_back({{name}, name, "float", listing.software});
+    else {
+      DeviceRequest request;
+      request.backend = name;
+      places.push_back(Place{request, name, "float", listing.software});
+    }
   }
   for (const std::string& name : options.backends)
     if (name.rfind("gl:", 0) == 0 && !found.count(name))
