@@ -60,7 +60,7 @@ int run(int argc, char** argv) {
   settings.every = 1 / scene.output.fps;
   std::vector<Trial> trials;
   fmt::print("{:<15} {:>9} {:>9} {:>8} {:>11} {:>10} {:>10} {:>10} {:>8}\n", "method", "step ms", "limit ms",
-             "time s", "tip depth m", "det F > 0", "rms spcgs", "speed m/s", "wall s");
+             "time s", "tip depth m", "det F > 0", "rms spcgs", "speed m/s", "cpu s");
   for (const char* name : names) {
     if (!method.empty() && method != name) continue;
     trials.push_back(run_trial(name, scene, model, settings));
@@ -68,7 +68,7 @@ int run(int argc, char** argv) {
     const Sample& s = t.samples.back();
     fmt::print("{:<15} {:>9} {:>9} {:>8.4g} {:>11.5g} {:>10.5f} {:>10.5f} {:>10.4g} {:>8.2f}{}\n", t.method,
                milliseconds(t.time_step), milliseconds(t.stable_step), s.time, s.tip_depth, s.upright,
-               s.distance, s.speed, t.wall_seconds,
+               s.distance, s.speed, t.cpu_seconds,
                t.diverged ? fmt::format("  diverged at {:.3g} s", t.diverged_at) : "");
     std::fflush(stdout);
   }

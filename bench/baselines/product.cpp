@@ -1,4 +1,4 @@
-// Pliant itself behind the interface of the baselines: in double, on the CPU, solved as its scene says.
+// Pliant itself behind the interface of the baselines: in double, on one thread, solved as its scene says.
 #include "bench/baselines/baseline.h"
 
 #include "engine/solver/simulation.h"
@@ -12,7 +12,7 @@ class Product : public Baseline {
 public:
   Product(const Scene& scene, const Model& model)
       : Baseline(scene, model), own_scene_(scene),
-        device_(open_device({"openmp", Precision::double_precision, 0, false})) {}
+        device_(open_device({"openmp", Precision::double_precision, 1, false})) {}
 
 protected:
   void step(double h) override {

@@ -18,8 +18,8 @@ struct Sample {
 struct Trial {
   std::string method;
   double time_step = 0, stable_step = 0; ///< s; the second infinite where there is no limit
-  double wall_seconds = 0;
-  bool diverged = false; ///< not finite, or ten body sizes away: the samples end before it
+  double cpu_seconds = 0;                ///< of the thread it ran on
+  bool diverged = false;                 ///< not finite, or ten body sizes away: the samples end before it
   double diverged_at = 0;
   std::vector<Sample> samples; ///< the first at t = 0
 };
