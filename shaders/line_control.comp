@@ -39,7 +39,7 @@ void main() {
     telling = false;
 #endif
     if (telling) taken = change <= -1e-4 * solver[SOLVER_LENGTH] * slope;
-    else taken = abs(steep) <= 0.8 * slope || e < (1.0 - 0.25 * solver[SOLVER_LENGTH]) * solver[SOLVER_BEST];
+    else taken = steep >= -0.8 * slope || e < (1.0 - 0.25 * solver[SOLVER_LENGTH]) * solver[SOLVER_BEST];
   }
   if (taken) {
     if (restart != 0u && finite) solver[SOLVER_FIRST] = max(e, solver[SOLVER_FIRST]);

@@ -170,8 +170,11 @@ public:
     kernels<kernels::component_motion::Args, kernels::component_apply::Args>();
     begin("energy", plan_.energy);
     buffer("energy", Type::real, n_);
-    if (plan_.corotated) kernels<kernels::corotated_energy::Args>();
-    if (plan_.ordinary) kernels<kernels::ordinary_energy::Args>();
+    for (const std::uint32_t gated : {0u, 1u}) { // at the end of a step, and where a line search looks at it
+      if (gated && !plan_.method.potential) continue;
+      if (plan_.corotated) kernel(kernels::corotated_energy::Args{.gated = gated});
+      if (plan_.ordinary) kernel(kernels::ordinary_energy::Args{.gated = gated});
+    }
     if (plan_.projective) kernels<kernels::projective_energy::Args>();
     begin("statistics", plan_.statistics);
     buffer("chunk", Type::uint4, chunks.chunk.size());

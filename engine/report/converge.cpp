@@ -4,6 +4,7 @@
 #include "engine/core/error.h"
 #include "engine/plan/method.h"
 #include "engine/report/converge_problem.h"
+#include "engine/solver/stationary.h"
 
 #include <algorithm>
 #include <chrono>
@@ -156,8 +157,9 @@ double median(std::vector<double> values) {
 /// One series: a judged pass, then passes for the clock alone.
 class Racer {
 public:
-  Racer(Simulation& simulation, StepProblem& problem, ConvergeSeries& series)
-      : simulation_(simulation), problem_(problem), series_(series) {}
+  Racer(Simulation& simulation, StepProblem& problem, ConvergeSeries& series, unsigned least_patience)
+      : simulation_(simulation), problem_(problem), series_(series),
+        patience_(std::max(patience, least_patience)) {}
 
   void run(double limit) {
     const double spent = judged_pass(limit);
@@ -202,7 +204,7 @@ private:
         series_.end = "1e-6";
       else if (ended)
         series_.end = "no descent left that its precision can tell";
-      else if (n >= 2 * progress_ && n >= progress_ + patience)
+      else if (n >= 2 * progress_ && n >= progress_ + patience_)
         series_.end = "floor: no progress over as many iterations again";
       else if (seconds + ahead > limit)
         series_.end = fmt::format("time: {:.3g} s", limit);
@@ -244,6 +246,7 @@ private:
   ConvergeSeries& series_;
   double least_[3] = {1e300, 1e300, 1e300};
   unsigned progress_ = 0; ///< iteration of the last
+  unsigned patience_;     ///< iterations without progress
 };
 
 ConvergeSeries race(const Variant& variant, const Place& place, Device& device, const Scene& scene,
@@ -253,6 +256,12 @@ ConvergeSeries race(const Variant& variant, const Place& place, Device& device, 
   if (!variant.preconditioner.empty()) raced.solver.preconditioner = variant.preconditioner;
   raced.solver.iterations = cap;
   raced.solver.fixed_iterations = true;
+  // As a run of the scene would, for its own cap; without one it would assume the largest radius there is,
+  // whose oscillation outlasts the patience below.
+  if (variant.method == "chebyshev" && !raced.solver.spectral_radius)
+    raced.solver.spectral_radius =
+        1 - chebyshev_gap(choose_method(raced, model).stiffness_number, !scene.boundaries.empty(),
+                          scene.solver.tolerance, scene.solver.iterations);
   ConvergeSeries series;
   series.method = variant.method, series.preconditioner = variant.preconditioner;
   series.backend = place.backend, series.precision = place.precision, series.software = place.software;
@@ -267,7 +276,8 @@ ConvergeSeries race(const Variant& variant, const Place& place, Device& device, 
   simulation.iterate(true); // what a method prepares when it is first needed
   watch.stop();
   series.setup_ms = watch.ms();
-  Racer(simulation, problem, series).run(limit);
+  Racer(simulation, problem, series, variant.method == "chebyshev" ? 2 * scene.solver.iterations : 0)
+      .run(limit);
   return series;
 }
 

@@ -141,52 +141,61 @@ void Elasticity::force() {
   }
 }
 
-void Elasticity::energy(BufferStorage* displacement) {
+void Elasticity::energy(BufferStorage* displacement, bool gated) {
   SimulationState& s = state_;
-  device_.enter("statistics");
+  device_.enter(gated ? "elasticity" : "statistics");
   for (const LawRange& range : model_.laws) {
     switch (range.law) {
     case Law::corotated:
-      device_.run(kernels::corotated_energy::Args{.threads = range.count,
-                                                  .first = range.first,
-                                                  .first_slice = range.first_slice,
-                                                  .stride = particles_,
-                                                  .unit = unit_,
-                                                  .slice_begin = s.slice_begin,
-                                                  .bond = s.bond,
-                                                  .weight = s.weight,
-                                                  .position = s.position,
-                                                  .displacement = displacement,
-                                                  .shape = s.shape,
-                                                  .rotation = s.rotation,
-                                                  .energy = s.energy});
+      device_.run(
+          kernels::corotated_energy::Args{.threads = range.count,
+                                          .gated = gated,
+                                          .first = range.first,
+                                          .first_slice = range.first_slice,
+                                          .stride = particles_,
+                                          .unit = unit_,
+                                          .gate = gated ? static_cast<BufferStorage*>(s.solver) : nullptr,
+                                          .slice_begin = s.slice_begin,
+                                          .bond = s.bond,
+                                          .weight = s.weight,
+                                          .position = s.position,
+                                          .displacement = displacement,
+                                          .shape = s.shape,
+                                          .rotation = s.rotation,
+                                          .energy = s.energy});
       break;
     case Law::ordinary:
-      device_.run(kernels::ordinary_energy::Args{.threads = range.count,
-                                                 .first = range.first,
-                                                 .first_slice = range.first_slice,
-                                                 .stride = particles_,
-                                                 .unit = unit_,
-                                                 .slice_begin = s.slice_begin,
-                                                 .bond = s.bond,
-                                                 .weight = s.weight,
-                                                 .position = s.position,
-                                                 .displacement = displacement,
-                                                 .shape = s.shape,
-                                                 .energy = s.energy});
+      device_.run(
+          kernels::ordinary_energy::Args{.threads = range.count,
+                                         .gated = gated,
+                                         .first = range.first,
+                                         .first_slice = range.first_slice,
+                                         .stride = particles_,
+                                         .unit = unit_,
+                                         .gate = gated ? static_cast<BufferStorage*>(s.solver) : nullptr,
+                                         .slice_begin = s.slice_begin,
+                                         .bond = s.bond,
+                                         .weight = s.weight,
+                                         .position = s.position,
+                                         .displacement = displacement,
+                                         .shape = s.shape,
+                                         .energy = s.energy});
       break;
     case Law::projective:
-      device_.run(kernels::projective_energy::Args{.threads = range.count,
-                                                   .first = range.first,
-                                                   .first_slice = range.first_slice,
-                                                   .unit = unit_,
-                                                   .deviatoric = deviatoric_,
-                                                   .slice_begin = s.slice_begin,
-                                                   .bond = s.bond,
-                                                   .weight = s.weight,
-                                                   .position = s.position,
-                                                   .record = s.record,
-                                                   .energy = s.energy});
+      device_.run(
+          kernels::projective_energy::Args{.threads = range.count,
+                                           .gated = gated,
+                                           .first = range.first,
+                                           .first_slice = range.first_slice,
+                                           .unit = unit_,
+                                           .deviatoric = deviatoric_,
+                                           .gate = gated ? static_cast<BufferStorage*>(s.solver) : nullptr,
+                                           .slice_begin = s.slice_begin,
+                                           .bond = s.bond,
+                                           .weight = s.weight,
+                                           .position = s.position,
+                                           .record = s.record,
+                                           .energy = s.energy});
       break;
     }
   }

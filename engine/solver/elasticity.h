@@ -25,7 +25,8 @@ public:
   /// At y_n + displacement; leaves what force(), energy() and tangent() read.
   void state(BufferStorage* displacement);
   void force();
-  void energy(BufferStorage* displacement);
+  /// `gated`: nothing where the solver has nothing to evaluate.
+  void energy(BufferStorage* displacement, bool gated = false);
   /// Corotated and ordinary laws, of the iterate that state() saw last.
   void tangent(BufferStorage* displacement);
   /// df/du times `direction` into the buffer `force`.

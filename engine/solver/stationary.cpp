@@ -11,15 +11,18 @@
 
 namespace pliant {
 
+double chebyshev_gap(double stiffness_number, bool contacts, double tolerance, unsigned budget) {
+  const double eta = stiffness_number * (contacts ? 2 : 1);
+  const double reduction = std::log(2 / std::min(std::max(tolerance, 1e-3), 0.2));
+  const double resolved = 0.5 * std::pow(reduction / std::max(budget, 1u), 2);
+  return std::min(std::max({1 / (1 + eta), resolved, 1e-7}), 1.0);
+}
+
 void Stationary::begin(const SolveBounds& bounds) {
   bounds_ = bounds;
   const SolverSettings& settings = context_.scene.solver;
-  // Spectral radius of Jacobi's iteration, 1 - 1 / (1 + eta); a contact adds as much stiffness again. No
-  // closer to one than the budget can resolve: that would only add oscillation.
-  const double eta = bounds.stiffness_number * (context_.contacts ? 2 : 1);
-  const double reduction = std::log(2 / std::min(std::max(settings.tolerance, 1e-3), 0.2));
-  const double resolved = 0.5 * std::pow(reduction / std::max(bounds.cap, 1u), 2);
-  one_minus_rho_ = std::min(std::max({1 / (1 + eta), resolved, 1e-7}), 1.0);
+  one_minus_rho_ =
+      chebyshev_gap(bounds.stiffness_number, context_.contacts != nullptr, settings.tolerance, bounds.cap);
   if (settings.spectral_radius) one_minus_rho_ = std::max(1 - *settings.spectral_radius, 1e-7);
   SimulationState& s = context_.state;
   context_.device.copy(s.displacement, s.earlier_iterate);

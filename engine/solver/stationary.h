@@ -5,6 +5,11 @@
 
 namespace pliant {
 
+/// One less the spectral radius that Chebyshev's acceleration assumes: of Jacobi's iteration, 1 - 1 / (1 +
+/// eta), where a contact adds as much stiffness again; but no closer to one than `budget` iterations can
+/// resolve: that would only add oscillation.
+double chebyshev_gap(double stiffness_number, bool contacts, double tolerance, unsigned budget);
+
 class Stationary : public GlobalStep {
 public:
   using GlobalStep::GlobalStep;

@@ -54,7 +54,7 @@ bool Simulation::iterate(bool look) {
   }
   elasticity_->state(state_->displacement); // local step: Y*, or R and theta; Eqs. 4, 10, 11
   elasticity_->force();                     // right side of Eq. 12
-  if (plan_.method.potential) elasticity_->energy(state_->displacement); // Eq. 13
+  if (plan_.method.potential) elasticity_->energy(state_->displacement, true); // Eq. 13
   if (contacts_) contacts_->add_forces(contact_state(*state_));
   global_step_->apply(k, checked, search); // section 4.2
   return (checked && solve_ended()) || k == cap;

@@ -6,6 +6,7 @@
 namespace pliant::openmp::PLIANT_ISA {
 
 template <class real> void corotated_energy(const kernels::corotated_energy::View<real>& k) {
+  if (k.gated && k.gate[0].x > 0) return; // SOLVER_STOP
   const real unit = grid_unit(k.unit);
 #pragma omp parallel for schedule(static)
   for (uint slice = 0; slice < slice_count(k.threads); ++slice)

@@ -35,7 +35,7 @@ template <class real> void line_control(const kernels::line_control::View<real>&
     if (k.potential && magnitude(change) > k.noise * (magnitude(phi) + magnitude(before)))
       taken = change <= real(-1e-4) * length * slope;
     else
-      taken = magnitude(steep) <= real(0.8) * slope || e < (1 - length / 4) * solver[SOLVER_BEST];
+      taken = steep >= real(-0.8) * slope || e < (1 - length / 4) * solver[SOLVER_BEST];
   }
   if (taken) {
     if (k.restart && finite) solver[SOLVER_FIRST] = larger(e, solver[SOLVER_FIRST]);

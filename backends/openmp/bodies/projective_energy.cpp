@@ -6,6 +6,7 @@
 namespace pliant::openmp::PLIANT_ISA {
 
 template <class real> void projective_energy(const kernels::projective_energy::View<real>& k) {
+  if (k.gated && k.gate[0].x > 0) return; // SOLVER_STOP
 #pragma omp parallel for schedule(static)
   for (uint local = 0; local < k.threads; ++local) {
     const uint i = k.first + local;
