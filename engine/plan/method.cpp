@@ -21,6 +21,10 @@ bool has(const Model& model, Law law) {
                      [law](const LawRange& range) { return range.law == law && range.count > 0; });
 }
 
+bool touches(const Scene& scene, const Model& model) {
+  return !scene.boundaries.empty() || (scene.contact.bodies && model.bodies.size() > 1) || scene.contact.self;
+}
+
 // Slipping with friction does work that depends on the path.
 bool slips_with_friction(const Scene& scene, const Model& model) {
   const bool touching = (scene.contact.bodies && model.bodies.size() > 1) || scene.contact.self;
@@ -30,7 +34,9 @@ bool slips_with_friction(const Scene& scene, const Model& model) {
 }
 
 // Chebyshev's iterations grow with the root of the stiffness number, Newton's hardly at all: they meet here.
-constexpr double stiff = 1e3;
+// Where bodies touch, Newton follows every contact that opens, closes or slips, and the coarse levels know
+// the obstacles only: they meet later.
+constexpr double stiff = 1e3, stiff_touching = 1e4;
 constexpr double nearly_incompressible = 0.4;
 constexpr double tight = 1e-4;
 
@@ -42,22 +48,23 @@ Method choose_method(const Scene& scene, const Model& model) {
   method.stiffness_number = stiffness_of(model, whole_step(scene)).number;
   const double eta = method.stiffness_number;
   const bool projective = has(model, Law::projective);
+  const double limit = touches(scene, model) ? stiff_touching : stiff;
   if (method.name == "auto") {
     double ratio = 0;
     for (const Material& material : scene.materials) ratio = std::max(ratio, material.poisson);
     if (projective) {
       method.name = "chebyshev";
       method.reason = "the projective law has no potential to descend";
-    } else if (eta > stiff || ratio > nearly_incompressible || scene.solver.tolerance < tight) {
+    } else if (eta > limit || ratio > nearly_incompressible || scene.solver.tolerance < tight) {
       method.name = "newton";
       method.reason =
-          eta > stiff ? fmt::format("the stiffness number {:.3g} is above {:g}", eta, stiff)
+          eta > limit ? fmt::format("the stiffness number {:.3g} is above {:g}", eta, limit)
           : ratio > nearly_incompressible
               ? fmt::format("a Poisson's ratio of {:g} is above {:g}", ratio, nearly_incompressible)
               : fmt::format("the tolerance {:g} is below {:g}", scene.solver.tolerance, tight);
     } else {
       method.name = "chebyshev";
-      method.reason = fmt::format("the stiffness number {:.3g} is not above {:g}", eta, stiff);
+      method.reason = fmt::format("the stiffness number {:.3g} is not above {:g}", eta, limit);
     }
   }
   if (method.name == "newton" && projective)

@@ -119,7 +119,7 @@ TEST_P(Solvers, ContactsFoundAnewDoNoHarm) {
     expect_below("drop, " + way.name() + ": difference, spacings",
                  largest_difference(ran.positions, wanted.positions) / spacing, limit(1e-8, 2e-3));
   }
-  // With friction nothing has a potential: the line search may end early, but never far from a solution.
+  // With friction nothing has a potential: the line search goes by the work that forces did.
   if (GetParam().gl()) return;
   Drop rough(0.4);
   for (const Way& way : newton_ways) {
@@ -128,7 +128,7 @@ TEST_P(Solvers, ContactsFoundAnewDoNoHarm) {
     EXPECT_TRUE(all_finite(ran.positions));
     double worst = 0;
     for (const StepStatistics& row : ran.rows) worst = std::max(worst, row.residual);
-    expect_below("drop with friction, " + way.name() + ": worst residual, relative", worst, 0.1);
+    expect_below("drop with friction, " + way.name() + ": worst residual, relative", worst, 1e-4);
   }
 }
 
