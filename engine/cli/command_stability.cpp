@@ -25,9 +25,9 @@ ExitCode stability(Options& options, bool minutes_given) {
   sweep.say = notice;
   const Scene scene = read_scene(options.scene.named(options.json), options.scene.overrides);
   if (sweep.full && !minutes_given) sweep.minutes = 0;
-  const std::filesystem::path folder =
-      options.out.empty() ? std::filesystem::path("out") / (scene.name + "-stability")
-                          : std::filesystem::path(options.out);
+  const std::filesystem::path folder = options.out.empty()
+                                           ? std::filesystem::path("out") / (scene.name + "-stability")
+                                           : std::filesystem::path(options.out);
   prepare_output_folder(folder);
   const StabilityReport report = sweep_stability(scene, sweep);
   write_stability(report, folder);
@@ -47,7 +47,9 @@ void add_stability(CLI::App& program, Action& action) {
   const auto options = std::make_shared<Options>();
   StabilityOptions& sweep = options->sweep;
   add_scene(*command, options->scene);
-  command->add_option("--out", options->out, "folder for CSV, JSON and the map; out/<name>-stability unless given")
+  command
+      ->add_option("--out", options->out,
+                   "folder for CSV, JSON and the map; out/<name>-stability unless given")
       ->type_name("FOLDER");
   command->add_option("--methods", sweep.methods, "solvers to judge")
       ->capture_default_str()
@@ -66,7 +68,8 @@ void add_stability(CLI::App& program, Action& action) {
         ->type_name("N")
         ->check(CLI::Range(least, most).description(""));
   };
-  count("--particles", sweep.particles, "of the body, at most: its spacing grows until they suffice", 8, 100'000);
+  count("--particles", sweep.particles, "of the body, at most: its spacing grows until they suffice", 8,
+        100'000);
   count("--steps", sweep.steps, "of each cell", 2, 1'000'000);
   count("--iterations", sweep.iterations, "a cap for each step", 1, 1'000'000);
   CLI::Option* minutes =
@@ -75,7 +78,8 @@ void add_stability(CLI::App& program, Action& action) {
           ->type_name("M")
           ->check(CLI::NonNegativeNumber.description(""));
   count("--jobs", sweep.jobs, "CPU cells at a time; 0: as many as there are processors", 0, 4096);
-  command->add_flag("--full", sweep.full, "every problem on software GL too, and 1e5 steps at rest; no time limit");
+  command->add_flag("--full", sweep.full,
+                    "every problem on software GL too, and 1e5 steps at rest; no time limit");
   add_json(*command, options->json, "print JSON, or write it to FILE");
   command->footer(R"(Ends with 0 where every cell stays finite and bounded, else with 4.
 Examples:

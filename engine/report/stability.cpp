@@ -1,4 +1,5 @@
-// Runs the problems of the sweep: on the CPU several at a time, one thread each; then on GL, one after another.
+// Runs the problems of the sweep: on the CPU several at a time, one thread each; then on GL, one after
+// another.
 #include "engine/report/stability.h"
 
 #include "engine/core/error.h"
@@ -102,9 +103,10 @@ public:
     if (!options.only.empty())
       std::erase_if(problems_, [&](const auto& p) { return p.name.find(options.only) == std::string::npos; });
     if (problems_.empty())
-      throw Error(ExitCode::usage, fmt::format("no problem's name contains \"{}\"; without --only all of them are "
-                                               "run and listed",
-                                               options.only));
+      throw Error(ExitCode::usage,
+                  fmt::format("no problem's name contains \"{}\"; without --only all of them are "
+                              "run and listed",
+                              options.only));
     report_.scene = scene.name;
     report_.steps = options.steps;
     report_.iterations = options.iterations;
@@ -120,7 +122,8 @@ public:
     for (std::vector<StabilityCell>& cells : results_)
       for (StabilityCell& cell : cells) report_.cells.push_back(std::move(cell));
     if (skipped_ > 0)
-      report_.left_out.push_back(fmt::format("{} problems: {:g} minutes were over", skipped_.load(), options_.minutes));
+      report_.left_out.push_back(
+          fmt::format("{} problems: {:g} minutes were over", skipped_.load(), options_.minutes));
     report_.seconds = seconds_since(start_);
     return std::move(report_);
   }
@@ -170,8 +173,9 @@ private:
     if (seconds_since(said_) < 5 && done < all) return;
     said_ = Clock::now();
     const double spent = seconds_since(since);
-    options_.say(fmt::format("{}: {} of {} problems, about {} left", what, done, all,
-                             clock_text(spent / static_cast<double>(done) * static_cast<double>(all - done))));
+    options_.say(
+        fmt::format("{}: {} of {} problems, about {} left", what, done, all,
+                    clock_text(spent / static_cast<double>(done) * static_cast<double>(all - done))));
   }
 
   void on_cpu() {
@@ -233,7 +237,7 @@ private:
     std::string refusal;
     try {
       setup = problem.build();
-      if (problem.map) note_particles(setup.model.count());
+      note_particles(setup.model.count());
     } catch (const Error& error) {
       if (error.code() != ExitCode::usage) throw;
       refusal = error.what();
@@ -296,7 +300,7 @@ private:
 
   void note_particles(std::size_t count) {
     const std::lock_guard lock(mutex_);
-    report_.particles = count;
+    report_.particles = std::max(report_.particles, count);
   }
 
   const StabilityOptions& options_;
@@ -322,7 +326,8 @@ std::size_t StabilityReport::unbounded() const {
   return count([](const StabilityCell& cell) { return cell.finite && !cell.bounded; });
 }
 std::size_t StabilityReport::unrecovered() const {
-  return count([](const StabilityCell& cell) { return cell.bounded && cell.recovery_wanted && !cell.recovered; });
+  return count(
+      [](const StabilityCell& cell) { return cell.bounded && cell.recovery_wanted && !cell.recovered; });
 }
 
 StabilityReport sweep_stability(const Scene& scene, const StabilityOptions& options) {

@@ -1,7 +1,8 @@
 // The stiff and extreme sweep: which scenes stay finite and bounded, and which bodies come back, with each
 // solver on each backend.
 //
-//   problem   a body from the scene in an extreme state or under an extreme setting; built through the library,
+//   problem   a body from the scene in an extreme state or under an extreme setting; built through the
+//   library,
 //             since scene files with such states are refused
 //   cell      a problem, solved by one method on one backend; judged at every step
 //   apart     cells of methods that are no part of the product: tabled, but left out of the summary
@@ -78,12 +79,12 @@ struct StabilityCell {
   bool refused = false; ///< with the reason in `message`; then finite, bounded and recovered hold
   bool finite = true, bounded = true, recovered = true;
   bool recovery_wanted = false;
-  double strain = 0, upright = 1;     ///< at the end; see stability_strain
-  double farthest = 0;                ///< body sizes
-  double first_distance = 0; ///< rms distance from the Newton reference after the first step, spacings
-  double end_distance = 0;   ///< the same at the end
-  double energy = 0;         ///< largest kinetic and elastic energy over that at the start; 0 where that is 0
-  unsigned steps = 0;        ///< taken
+  double strain = 0, upright = 1; ///< at the end; see stability_strain
+  double farthest = 0;            ///< body sizes
+  double first_distance = 0;      ///< rms distance from the Newton reference after the first step, spacings
+  double end_distance = 0;        ///< the same at the end
+  double energy = 0;  ///< largest kinetic and elastic energy over that at the start; 0 where that is 0
+  unsigned steps = 0; ///< taken
   std::uint64_t iterations = 0;      ///< of all steps
   unsigned restarts = 0, at_cap = 0; ///< of all steps; steps that ended at the cap
   double seconds = 0;

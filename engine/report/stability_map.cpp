@@ -8,6 +8,7 @@
 
 #include "engine/io/folder.h"
 #include "engine/io/png.h"
+#include "engine/render/font.h"
 #include "engine/render/plot_canvas.h"
 
 #include <algorithm>
@@ -68,14 +69,19 @@ void box(Canvas& canvas, double x, double y, double width, double height, Colour
 void draw_cell(Canvas& canvas, const StabilityCell& cell, double x, double y, double width, double height) {
   const Colour colour = colour_of(cell);
   box(canvas, x + 0.5, y + 0.5, width - 1, height - 1, colour);
-  canvas.text({x + width / 2, y + (height - small) / 2}, text_of(cell), small, text_colour(colour), Anchor::middle,
-              false);
+  canvas.text({x + width / 2, y + (height - small) / 2}, text_of(cell), small, text_colour(colour),
+              Anchor::middle, false);
 }
 
 std::string power(double value) {
   const double exponent = std::log10(value);
   return std::abs(exponent - std::round(exponent)) < 1e-6 ? fmt::format("1e{:.0f}", exponent)
                                                           : fmt::format("1/{:.0f}", 1 / value);
+}
+
+std::string young_text(double value) {
+  const std::string text = fmt::format("{:.0e}", value); // 1e+06
+  return text.substr(0, 2) + text.substr(text.size() - (text[text.size() - 2] == '0' ? 1 : 2));
 }
 
 /// A column: a method on a backend.
@@ -94,7 +100,8 @@ public:
     for (const StabilityCell& cell : report.cells) {
       const Column column{cell.method, cell.backend};
       if (std::find(columns_.begin(), columns_.end(), column) == columns_.end()) columns_.push_back(column);
-      if (std::find(methods_.begin(), methods_.end(), cell.method) == methods_.end()) methods_.push_back(cell.method);
+      if (std::find(methods_.begin(), methods_.end(), cell.method) == methods_.end())
+        methods_.push_back(cell.method);
       if (std::find(backends_.begin(), backends_.end(), cell.backend) == backends_.end())
         backends_.push_back(cell.backend);
       if (cell.map) {
@@ -113,8 +120,10 @@ public:
     const double maps_wide =
         youngs_.empty() ? 0 : static_cast<double>(methods_.size()) * (map_width() + map_left) + margin;
     list_left_ = margin + maps_wide;
-    width_ = std::max(list_left_ + label_width + static_cast<double>(columns_.size()) * list_cell + margin, 900.0);
-    const double maps_high = youngs_.empty() ? 0 : static_cast<double>(backends_.size()) * (map_height() + map_top);
+    width_ =
+        std::max(list_left_ + label_width + static_cast<double>(columns_.size()) * list_cell + margin, 900.0);
+    const double maps_high =
+        youngs_.empty() ? 0 : static_cast<double>(backends_.size()) * (map_height() + map_top) + 30;
     const double list_high = list_head + static_cast<double>(rows_.size()) * list_row;
     height_ = head + std::max(maps_high, list_high) + margin;
   }
@@ -144,49 +153,58 @@ private:
 
   double map_width() const { return static_cast<double>(steps_.size()) * map_cell; }
   double map_height() const { return static_cast<double>(youngs_.size()) * map_row; }
-  static Row row_of(const StabilityCell& cell) { return {cell.name, cell.young, cell.poisson, cell.time_step}; }
+  static Row row_of(const StabilityCell& cell) {
+    return {cell.name, cell.young, cell.poisson, cell.time_step};
+  }
   static std::ptrdiff_t place(const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) - names.begin();
   }
 
   void draw_legend(Canvas& canvas, double x, double y) const {
-    const auto entry = [&](Colour colour, const std::string& text, double room) {
-      box(canvas, x, y, 18, 14, colour);
-      canvas.text({x + 24, y + (14 - normal) / 2}, text, normal, ink, Anchor::start, false);
-      x += room;
+    const auto words = [&](const std::string& text, double after) {
+      canvas.text({x, y + (14 - normal) / 2}, text, normal, ink, Anchor::start, false);
+      x += measure_text(text, normal).width + after;
     };
-    entry(not_finite_colour, "not finite", 110);
-    entry(unbounded_colour, "unbounded", 115);
-    entry(unrecovered_colour, "not recovered", 140);
-    entry(refused_colour, "refused", 100);
-    canvas.text({x, y + (14 - normal) / 2}, "good; mean iterations a step:", normal, ink, Anchor::start, false);
-    x += 225;
+    const auto entry = [&](Colour colour, const std::string& text) {
+      box(canvas, x, y, 18, 14, colour);
+      x += 26;
+      words(text, 22);
+    };
+    entry(not_finite_colour, "not finite");
+    entry(unbounded_colour, "unbounded");
+    entry(unrecovered_colour, "not recovered");
+    entry(refused_colour, "refused, as it should be");
+    words("good, with mean iterations a step:", 10);
     for (double iterations : {1., 3., 10., 30., 100., 300., 1000.}) {
       const Colour colour = effort_colour(iterations);
       box(canvas, x, y, 38, 14, colour);
-      canvas.text({x + 19, y + 3}, fmt::format("{:.0f}", iterations), small, text_colour(colour), Anchor::middle,
-                  false);
+      canvas.text({x + 19, y + 3}, fmt::format("{:.0f}", iterations), small, text_colour(colour),
+                  Anchor::middle, false);
       x += 38;
     }
   }
 
   void draw_map(Canvas& canvas, const Column& column, double x, double y) const {
-    canvas.text({x + map_width() / 2, y - 22}, column.first + ", " + column.second, normal, ink, Anchor::middle, false);
+    canvas.text({x + map_width() / 2, y - 22}, column.first + ", " + column.second, normal, ink,
+                Anchor::middle, false);
     for (std::size_t row = 0; row < youngs_.size(); ++row) {
       const double top = y + static_cast<double>(youngs_.size() - 1 - row) * map_row;
       canvas.text({x - 6, top + (map_row - small) / 2}, power(youngs_[row]), small, ink, Anchor::end, false);
       for (std::size_t step = 0; step < steps_.size(); ++step)
         for (const auto& [key, cell] : at_) // few: the ratio of the map is the scene's
-          if (key.second == column && cell->map && cell->young == youngs_[row] && cell->time_step == steps_[step])
+          if (key.second == column && cell->map && cell->young == youngs_[row] &&
+              cell->time_step == steps_[step])
             draw_cell(canvas, *cell, x + static_cast<double>(step) * map_cell, top, map_cell, map_row);
     }
     for (std::size_t step = 0; step < steps_.size(); ++step)
-      canvas.text({x + (static_cast<double>(step) + 0.5) * map_cell, y + map_height() + 5}, power(steps_[step]), small,
-                  ink, Anchor::middle, false);
-    canvas.text({x + map_width() / 2, y + map_height() + 20}, "time step (s)", small, ink, Anchor::middle, false);
+      canvas.text({x + (static_cast<double>(step) + 0.5) * map_cell, y + map_height() + 5},
+                  power(steps_[step]), small, ink, Anchor::middle, false);
+    canvas.text({x + map_width() / 2, y + map_height() + 20}, "time step (s)", small, ink, Anchor::middle,
+                false);
     canvas.text({x - 50, y + map_height() / 2}, "Young's modulus (Pa)", small, ink, Anchor::middle, true);
-    canvas.lines({{{x, y}, {x + map_width(), y}, {x + map_width(), y + map_height()}, {x, y + map_height()}, {x, y}}},
-                 1, ink);
+    canvas.lines(
+        {{{x, y}, {x + map_width(), y}, {x + map_width(), y + map_height()}, {x, y + map_height()}, {x, y}}},
+        1, ink);
   }
 
   void draw_list(Canvas& canvas, double x, double y) const {
@@ -201,22 +219,25 @@ private:
     for (std::size_t c = 0; c < columns_.size();) {
       std::size_t end = c;
       while (end < columns_.size() && columns_[end].second == columns_[c].second) ++end;
-      const double from = cells + static_cast<double>(c) * list_cell, to = cells + static_cast<double>(end) * list_cell;
+      const double from = cells + static_cast<double>(c) * list_cell,
+                   to = cells + static_cast<double>(end) * list_cell;
       canvas.text({(from + to) / 2, y - 10}, columns_[c].second, small, ink, Anchor::middle, false);
       canvas.lines({{{from + 3, y + 6}, {to - 3, y + 6}}}, 1, line_colour);
       c = end;
     }
     for (std::size_t r = 0; r < rows_.size(); ++r) {
       const Row& row = rows_[r];
-      const double top = y + list_head + static_cast<double>(r) * list_row, text = top + (list_row - small) / 2;
+      const double top = y + list_head + static_cast<double>(r) * list_row,
+                   text = top + (list_row - small) / 2;
       canvas.lines({{{x, top}, {cells, top}}}, 1, line_colour);
       canvas.text({x, text}, row.name, small, ink, Anchor::start, false);
-      canvas.text({x + 250, text}, fmt::format("{:.0e}", row.young), small, ink, Anchor::start, false);
+      canvas.text({x + 250, text}, young_text(row.young), small, ink, Anchor::start, false);
       canvas.text({x + 300, text}, fmt::format("{:g}", row.poisson), small, ink, Anchor::start, false);
       canvas.text({x + 345, text}, power(row.time_step), small, ink, Anchor::start, false);
       for (std::size_t c = 0; c < columns_.size(); ++c)
         if (const auto found = at_.find({row, columns_[c]}); found != at_.end())
-          draw_cell(canvas, *found->second, cells + static_cast<double>(c) * list_cell, top, list_cell, list_row);
+          draw_cell(canvas, *found->second, cells + static_cast<double>(c) * list_cell, top, list_cell,
+                    list_row);
     }
   }
 

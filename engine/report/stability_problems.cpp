@@ -1,4 +1,5 @@
-// The problems of the sweep: one body of the scene, in states and under settings that no scene file may ask for.
+// The problems of the sweep: one body of the scene, in states and under settings that no scene file may ask
+// for.
 #include "engine/core/error.h"
 #include "engine/model/initial_state.h"
 #include "engine/report/stability.h"
@@ -75,11 +76,13 @@ struct Base {
 
 /// The largest sampling of the scene's first body within the number of particles.
 Base base_of(const Scene& scene, std::size_t most) {
-  if (scene.bodies.empty()) throw Error(ExitCode::usage, "the scene has no body to judge: give it a [[body]]");
+  if (scene.bodies.empty())
+    throw Error(ExitCode::usage, "the scene has no body to judge: give it a [[body]]");
   const Body& body = scene.bodies.front();
   const Material* material = scene.material(body.material);
   if (!material)
-    throw Error(ExitCode::usage, fmt::format("there is no material \"{}\" for body \"{}\"", body.material, body.name));
+    throw Error(ExitCode::usage,
+                fmt::format("there is no material \"{}\" for body \"{}\"", body.material, body.name));
   Base base;
   base.spacing = scene.simulation.spacing;
   Sampling sampling = sample(body.shape, base.spacing, scene.file.parent_path());
@@ -164,7 +167,9 @@ private:
     return decays(omega, step, options_.steps) ? Wanted::shape : Wanted::nothing;
   }
 
-  static Vector3 centre(const StabilitySetup& setup) { return centre_of_mass(setup.position, setup.model.mass); }
+  static Vector3 centre(const StabilitySetup& setup) {
+    return centre_of_mass(setup.position, setup.model.mass);
+  }
   /// Moves particles relative to the centre of mass.
   static Change moved(const std::function<Vector3(const Vector3&, std::mt19937&)>& to) {
     return [to](StabilitySetup& setup) {
@@ -199,8 +204,8 @@ private:
     if (base_.scene.materials[0].law == "projective") return; // has one ratio only
     for (double ratio : {0.0, 0.25, 0.4, 0.45, 0.49, 0.499})
       for (const auto& [young, step] : {std::pair{1e4, 1e-3}, std::pair{1e6, 1. / 30}, std::pair{1e9, 0.1}}) {
-        StabilityProblem& made = body("ratio", young, ratio, step, shape_in_time(young, step, false),
-                                      moved(stretched(1.5, 0.2)));
+        StabilityProblem& made =
+            body("ratio", young, ratio, step, shape_in_time(young, step, false), moved(stretched(1.5, 0.2)));
         made.on_gl = ratio == 0.499;
       }
   }
@@ -220,8 +225,9 @@ private:
       return y;
     };
     add_state("flattened", shape, true, [=](const Vector3& x, std::mt19937&) { return flat(x); });
-    add_state("flattened askew", shape, false,
-              [=](const Vector3& x, std::mt19937&) -> Vector3 { return askew.transpose() * flat(askew * x); });
+    add_state("flattened askew", shape, false, [=](const Vector3& x, std::mt19937&) -> Vector3 {
+      return askew.transpose() * flat(askew * x);
+    });
     add_state("flattened with noise", shape, false, [=](const Vector3& x, std::mt19937& random) -> Vector3 {
       return flat(x) + 1e-6 * spacing * random_vector(random);
     });
@@ -232,7 +238,8 @@ private:
     });
     add_state("line", shape, true, [=](const Vector3& x, std::mt19937&) -> Vector3 { return x - flat(x); });
     add_state("point", shape, true, [](const Vector3&, std::mt19937&) -> Vector3 { return Vector3::Zero(); });
-    add_state("mirrored", shape, true, [=](const Vector3& x, std::mt19937&) -> Vector3 { return 2 * flat(x) - x; });
+    add_state("mirrored", shape, true,
+              [=](const Vector3& x, std::mt19937&) -> Vector3 { return 2 * flat(x) - x; });
     body("one particle pushed through", young, poisson_, step, shape, [spacing](StabilitySetup& setup) {
       const Vector3 c = centre(setup);
       Vector3& y = setup.position.front();
@@ -241,17 +248,20 @@ private:
     add_state("random in its box", shape, true, [half](const Vector3&, std::mt19937& random) -> Vector3 {
       return half.cwiseProduct(random_vector(random));
     });
-    add_state("scattered by 0.5 spacings", shape, false, [=](const Vector3& x, std::mt19937& random) -> Vector3 {
-      return x + 0.5 * spacing * gaussian(random);
-    });
-    add_state("scattered by 5 spacings", shape, false, [=](const Vector3& x, std::mt19937& random) -> Vector3 {
-      return x + 5 * spacing * gaussian(random);
-    });
+    add_state("scattered by 0.5 spacings", shape, false,
+              [=](const Vector3& x, std::mt19937& random) -> Vector3 {
+                return x + 0.5 * spacing * gaussian(random);
+              });
+    add_state("scattered by 5 spacings", shape, false,
+              [=](const Vector3& x, std::mt19937& random) -> Vector3 {
+                return x + 5 * spacing * gaussian(random);
+              });
     add_state("stretched fivefold", shape, true, stretched(5, 0));
     add_state("crushed to a twentieth", shape, true, stretched(0.05, 0));
     add_state("crushed on all sides", shape, false,
               [](const Vector3& x, std::mt19937&) -> Vector3 { return 0.05 * x; });
-    add_state("inflated fivefold", shape, false, [](const Vector3& x, std::mt19937&) -> Vector3 { return 5 * x; });
+    add_state("inflated fivefold", shape, false,
+              [](const Vector3& x, std::mt19937&) -> Vector3 { return 5 * x; });
     body("coincident pairs", young, poisson_, step, shape, [](StabilitySetup& setup) {
       for (std::size_t i = 1; i < setup.position.size(); i += 2) setup.position[i] = setup.position[i - 1];
     });
@@ -260,8 +270,8 @@ private:
   void budgets() {
     for (unsigned budget : {0u, 1u, 2u})
       for (const auto& [young, step] : {std::pair{1e5, 1. / 30}, std::pair{1e9, 0.1}}) {
-        StabilityProblem& made = body(fmt::format("{} iterations", budget), young, poisson_, step, Wanted::nothing,
-                                      moved(stretched(1.5, 0.2)));
+        StabilityProblem& made = body(fmt::format("{} iterations", budget), young, poisson_, step,
+                                      Wanted::nothing, moved(stretched(1.5, 0.2)));
         made.iterations = budget;
         made.on_gl = true;
       }
@@ -272,15 +282,17 @@ private:
     body("flies at 1e4 m/s", young_, poisson_, h, Wanted::shape, [](StabilitySetup& setup) {
       setup.velocity.assign(setup.position.size(), Vector3(6e3, 8e3, 0));
     }).on_gl = true;
-    body("hits a floor at 1e4 m/s", young_, poisson_, h, shape_in_time(young_, h, true), [](StabilitySetup& setup) {
-      Boundary floor;
-      floor.name = "floor";
-      floor.shape.kind = Shape::Kind::plane;
-      floor.shape.offset = centre(setup).y() - setup.size;
-      setup.scene.boundaries = {floor};
-      setup.velocity.assign(setup.position.size(), Vector3(0, -1e4, 0));
-      setup.own_centre = true;
-    }).on_gl = true;
+    body("hits a floor at 1e4 m/s", young_, poisson_, h, shape_in_time(young_, h, true),
+         [](StabilitySetup& setup) {
+           Boundary floor;
+           floor.name = "floor";
+           floor.shape.kind = Shape::Kind::plane;
+           floor.shape.offset = centre(setup).y() - setup.size;
+           setup.scene.boundaries = {floor};
+           setup.velocity.assign(setup.position.size(), Vector3(0, -1e4, 0));
+           setup.own_centre = true;
+         })
+        .on_gl = true;
     // Stiff enough that so much energy is not meant to throw it apart.
     body("spins at 1e3 rad/s", 1e9, poisson_, h, Wanted::nothing, [](StabilitySetup& setup) {
       const Vector3 c = centre(setup);
@@ -292,9 +304,11 @@ private:
       for (std::size_t i = 0; i < setup.position.size(); ++i)
         setup.velocity[i] = Vector3(0, 0, 1e3).cross(setup.position[i] - c);
     });
-    body("one particle at 1e6 m/s", 1e10, poisson_, h, shape_in_time(1e10, h, true), [](StabilitySetup& setup) {
-      setup.velocity.front() = {6e5, 8e5, 0};
-    }).on_gl = true;
+    body("one particle at 1e6 m/s", 1e10, poisson_, h, shape_in_time(1e10, h, true),
+         [](StabilitySetup& setup) {
+           setup.velocity.front() = {6e5, 8e5, 0};
+         })
+        .on_gl = true;
     for (const auto& [young, step] : {std::pair{1e10, h}, std::pair{1e10, 1e-4}})
       body("random speeds of 1e4 m/s", young, poisson_, step, shape_in_time(young, step, true),
            [](StabilitySetup& setup) {
@@ -361,27 +375,32 @@ private:
     const Wanted wanted = Wanted::nothing; // slow modes of the heavy parts outlast the run
     const Change pull = moved(stretched(1.5, 0.2));
     const int axis = base_.axis;
-    body("every other particle 1e4 times heavier", young_, poisson_, 1. / 30, wanted, [pull](StabilitySetup& setup) {
-      for (std::size_t i = 0; i < setup.model.mass.size(); i += 2) setup.model.mass[i] *= 1e4;
-      pull(setup);
-    }).on_gl = true;
-    body("one half 1e4 times heavier", young_, poisson_, 1. / 30, wanted, [pull, axis](StabilitySetup& setup) {
-      const Vector3 c = centre(setup);
-      pull(setup);
-      for (std::size_t i = 0; i < setup.model.mass.size(); ++i)
-        if (setup.model.position[i][axis] < c[axis]) setup.model.mass[i] *= 1e4;
-    });
-    body("one half 1e6 times stiffer", young_, poisson_, 1. / 30, wanted, [pull, axis](StabilitySetup& setup) {
-      const Vector3 c = centre(setup);
-      Material stiff = setup.scene.materials.front();
-      stiff.young *= 1e6;
-      setup.scene.materials.push_back(stiff);
-      setup.model.constants.push_back(
-          law_constants(law_from_name(stiff.law), stiff.young, stiff.poisson, stiff.split));
-      for (std::size_t i = 0; i < setup.model.count(); ++i)
-        if (setup.position[i][axis] < c[axis]) setup.model.material[i] = 1;
-      pull(setup);
-    }).on_gl = true;
+    body("every other particle 1e4 times heavier", young_, poisson_, 1. / 30, wanted,
+         [pull](StabilitySetup& setup) {
+           for (std::size_t i = 0; i < setup.model.mass.size(); i += 2) setup.model.mass[i] *= 1e4;
+           pull(setup);
+         })
+        .on_gl = true;
+    body("one half 1e4 times heavier", young_, poisson_, 1. / 30, wanted,
+         [pull, axis](StabilitySetup& setup) {
+           const Vector3 c = centre(setup);
+           pull(setup);
+           for (std::size_t i = 0; i < setup.model.mass.size(); ++i)
+             if (setup.model.position[i][axis] < c[axis]) setup.model.mass[i] *= 1e4;
+         });
+    body("one half 1e6 times stiffer", young_, poisson_, 1. / 30, wanted,
+         [pull, axis](StabilitySetup& setup) {
+           const Vector3 c = centre(setup);
+           Material stiff = setup.scene.materials.front();
+           stiff.young *= 1e6;
+           setup.scene.materials.push_back(stiff);
+           setup.model.constants.push_back(
+               law_constants(law_from_name(stiff.law), stiff.young, stiff.poisson, stiff.split));
+           for (std::size_t i = 0; i < setup.model.count(); ++i)
+             if (setup.position[i][axis] < c[axis]) setup.model.material[i] = 1;
+           pull(setup);
+         })
+        .on_gl = true;
   }
 
   /// Two cubes on a floor, so stiff that the lower one gives way by about a hundredth.
@@ -427,7 +446,8 @@ private:
   }
 
   void rest() {
-    body("rests in free space", young_, poisson_, 1. / 30, Wanted::still, [](StabilitySetup&) {}).on_gl = true;
+    body("rests in free space", young_, poisson_, 1. / 30, Wanted::still, [](StabilitySetup&) {}).on_gl =
+        true;
     const auto resting = [](StabilitySetup& setup) {
       Boundary floor;
       floor.name = "floor";

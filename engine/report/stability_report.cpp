@@ -83,8 +83,8 @@ struct Sum {
 } // namespace
 
 std::string stability_text(const StabilityReport& report) {
-  std::string text = fmt::format("{}: {} particles, {} steps a cell, at most {} iterations a step\n\n", report.scene,
-                                 report.particles, report.steps, report.iterations);
+  std::string text = fmt::format("{}: {} particles, {} steps a cell, at most {} iterations a step\n\n",
+                                 report.scene, report.particles, report.steps, report.iterations);
   std::map<std::pair<std::string, std::string>, Sum> sums;
   for (const StabilityCell& cell : report.cells) {
     Sum& sum = sums[{cell.method, cell.backend}];
@@ -95,36 +95,41 @@ std::string stability_text(const StabilityReport& report) {
     sum.iterations += cell.iterations, sum.restarts += cell.restarts;
     sum.seconds += cell.seconds;
   }
-  text += fmt::format("  {:<10} {:<14} {:>6} {:>18} {:>18} {:>14} {:>10} {:>9}\n", "method", "backend", "cells",
-                      "recovered of asked", "iterations a step", "steps at cap", "restarts", "seconds");
+  text +=
+      fmt::format("  {:<10} {:<14} {:>6} {:>18} {:>18} {:>14} {:>10} {:>9}\n", "method", "backend", "cells",
+                  "recovered of asked", "iterations a step", "steps at cap", "restarts", "seconds");
   for (const auto& [key, sum] : sums)
-    text += fmt::format("  {:<10} {:<14} {:>6} {:>18} {:>18.1f} {:>12.1f} % {:>10} {:>9.1f}\n", key.first, key.second,
-                        sum.cells, fmt::format("{} of {}", sum.recovered, sum.wanted),
+    text += fmt::format("  {:<10} {:<14} {:>6} {:>18} {:>18.1f} {:>12.1f} % {:>10} {:>9.1f}\n", key.first,
+                        key.second, sum.cells, fmt::format("{} of {}", sum.recovered, sum.wanted),
                         double(sum.iterations) / double(std::max<std::size_t>(sum.steps, 1)),
                         100. * double(sum.at_cap) / double(std::max<std::size_t>(sum.steps, 1)), sum.restarts,
                         sum.seconds);
   const std::string wrong = faults(report.cells);
   if (!wrong.empty()) text += "\n" + wrong;
   if (!report.apart.empty())
-    text += fmt::format("\nApart, not in the summary: {} cells\n{}", report.apart.size(), faults(report.apart));
+    text +=
+        fmt::format("\nApart, not in the summary: {} cells\n{}", report.apart.size(), faults(report.apart));
   for (const std::string& left : report.left_out) text += "\nleft out: " + left;
-  text += fmt::format("\n{} cells: {} not finite, {} unbounded, {} unrecovered; {} refused, as they should be\n",
-                      report.cells.size(), report.non_finite(), report.unbounded(), report.unrecovered(),
-                      report.count([](const StabilityCell& cell) { return cell.refused; }));
+  text +=
+      fmt::format("\n{} cells: {} not finite, {} unbounded, {} unrecovered; {} refused, as they should be\n",
+                  report.cells.size(), report.non_finite(), report.unbounded(), report.unrecovered(),
+                  report.count([](const StabilityCell& cell) { return cell.refused; }));
   return text;
 }
 
 std::string stability_csv(const StabilityReport& report) {
-  std::string text = "case,young,poisson,time_step,stiffness_number,method,resolved,backend,refused,finite,bounded,"
-                     "recovered,recovery_wanted,strain,upright,farthest,first_distance,end_distance,energy,steps,"
-                     "iterations,restarts,at_cap,seconds,message\n";
+  std::string text =
+      "case,young,poisson,time_step,stiffness_number,method,resolved,backend,refused,finite,bounded,"
+      "recovered,recovery_wanted,strain,upright,farthest,first_distance,end_distance,energy,steps,"
+      "iterations,restarts,at_cap,seconds,message\n";
   for (const StabilityCell& c : report.cells)
-    text += fmt::format("{},{:g},{:g},{:.6g},{:.4g},{},{},{},{:d},{:d},{:d},{:d},{:d},{:.4g},{:.4g},{:.4g},{:.4g},"
-                        "{:.4g},{:.4g},{},{},{},{},{:.3f},{}\n",
-                        csv_text(c.name), c.young, c.poisson, c.time_step, c.stiffness_number, c.method,
-                        csv_text(c.resolved), c.backend, c.refused, c.finite, c.bounded, c.recovered,
-                        c.recovery_wanted, c.strain, c.upright, c.farthest, c.first_distance, c.end_distance,
-                        c.energy, c.steps, c.iterations, c.restarts, c.at_cap, c.seconds, csv_text(c.message));
+    text += fmt::format(
+        "{},{:g},{:g},{:.6g},{:.4g},{},{},{},{:d},{:d},{:d},{:d},{:d},{:.4g},{:.4g},{:.4g},{:.4g},"
+        "{:.4g},{:.4g},{},{},{},{},{:.3f},{}\n",
+        csv_text(c.name), c.young, c.poisson, c.time_step, c.stiffness_number, c.method, csv_text(c.resolved),
+        c.backend, c.refused, c.finite, c.bounded, c.recovered, c.recovery_wanted, c.strain, c.upright,
+        c.farthest, c.first_distance, c.end_distance, c.energy, c.steps, c.iterations, c.restarts, c.at_cap,
+        c.seconds, csv_text(c.message));
   return text;
 }
 

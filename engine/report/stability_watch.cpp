@@ -56,7 +56,8 @@ StabilityWatch::StabilityWatch(const StabilitySetup& setup, unsigned steps)
 /// How far free fall has carried by step n: implicit Euler's own sum.
 Vector3 StabilityWatch::fallen(const Vector3& velocity, unsigned n, double step) const {
   const double steps = n;
-  return velocity * (step * steps) + setup_.scene.simulation.gravity * (step * step * steps * (steps + 1) / 2);
+  return velocity * (step * steps) +
+         setup_.scene.simulation.gravity * (step * step * steps * (steps + 1) / 2);
 }
 
 bool StabilityWatch::after(unsigned n, double step, const std::vector<Vector3>& positions) {
@@ -81,7 +82,8 @@ bool StabilityWatch::after(unsigned n, double step, const std::vector<Vector3>& 
 std::string StabilityWatch::missed(const StabilityCell& cell) const {
   const double spacing = setup_.model.spacing;
   switch (setup_.wanted) {
-  case Wanted::nothing: return {};
+  case Wanted::nothing:
+    return {};
   case Wanted::shape:
     if (!(cell.strain < stability_strain)) return fmt::format("rms strain {:.2g} is left", cell.strain);
     if (!(cell.upright >= stability_upright))
@@ -90,7 +92,8 @@ std::string StabilityWatch::missed(const StabilityCell& cell) const {
   case Wanted::fall: {
     double worst = 0;
     for (std::size_t i = 0; i < last_.size(); ++i)
-      worst = std::max(worst, (last_[i] - setup_.position[i] - fallen(setup_.velocity[i], taken_, step_)).norm());
+      worst =
+          std::max(worst, (last_[i] - setup_.position[i] - fallen(setup_.velocity[i], taken_, step_)).norm());
     const double way = fallen(velocity_, taken_, step_).norm();
     return worst <= 1e-5 * way ? "" : fmt::format("{:.2g} m off free fall over {:.3g} m", worst, way);
   }

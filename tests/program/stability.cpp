@@ -41,12 +41,13 @@ protected:
 };
 
 TEST_F(Stability, ExtremeCellsStayFiniteAndBoundedAndComeBack) {
-  for (const char* only : {"flattened across", "point", "crushed to", "at 1e4 m/s", "0 iterations", "3 part"}) {
+  for (const char* only :
+       {"flattened across", "point", "crushed to", "at 1e4 m/s", "0 iterations", "3 part"}) {
     const StabilityReport report = sweep(only, {"openmp-float", "openmp-double"});
     ASSERT_FALSE(report.cells.empty());
     for (const StabilityCell& cell : report.cells)
-      EXPECT_TRUE(cell.good()) << cell.name << ", " << cell.method << ", " << cell.backend << ", E " << cell.young
-                               << ": " << cell.message;
+      EXPECT_TRUE(cell.good()) << cell.name << ", " << cell.method << ", " << cell.backend << ", E "
+                               << cell.young << ": " << cell.message;
     std::printf("  %-20s %2zu cells, %.2f s\n", only, report.cells.size(), report.seconds);
   }
 }
@@ -61,7 +62,8 @@ TEST_F(Stability, OnGl) {
 }
 
 TEST_F(Stability, FewParticlesFallFreelyAndNoneAreRefused) {
-  const StabilityReport one = sweep("1 particle", {"openmp-float"}), none = sweep("no particle", {"openmp-float"});
+  const StabilityReport one = sweep("1 particle", {"openmp-float"}),
+                        none = sweep("no particle", {"openmp-float"});
   ASSERT_EQ(one.cells.size(), 2u);
   EXPECT_TRUE(one.cells[0].recovery_wanted && one.cells[0].recovered) << one.cells[0].message;
   ASSERT_EQ(none.cells.size(), 2u);
@@ -128,8 +130,9 @@ TEST_F(Stability, FlightIsJudgedFromTheBallisticCentre) {
 }
 
 TEST_F(Stability, TheCommandWritesItsFiles) {
-  const Outcome outcome = pliant(folder, {"stability", "small.toml", "--only", "1 iterations", "--methods", "newton,auto",
-                                          "--backend", "openmp-double", "--out", "found", "--json"});
+  const Outcome outcome =
+      pliant(folder, {"stability", "small.toml", "--only", "1 iterations", "--methods", "newton,auto",
+                      "--backend", "openmp-double", "--out", "found", "--json"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   const json report = json::parse(outcome.out);
   ASSERT_EQ(report.at("cells").size(), 4u);
