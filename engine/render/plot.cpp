@@ -54,7 +54,8 @@ bool clip(Point& a, Point& b, const Box& box) {
 }
 
 // `kind`: see SeriesStyle; `width`: of the line.
-std::vector<std::vector<Point>> dashed(const std::vector<std::vector<Point>>& lines, unsigned kind, double width) {
+std::vector<std::vector<Point>> dashed(const std::vector<std::vector<Point>>& lines, unsigned kind,
+                                       double width) {
   constexpr std::array<std::array<double, 2>, 3> patterns = {{{3, 3}, {1, 2}, {7, 3}}};
   if (kind % 4 == 0) return lines;
   const double on = patterns[kind % 4 - 1][0] * width, off = patterns[kind % 4 - 1][1] * width;

@@ -101,7 +101,7 @@ private:
   std::unique_ptr<RunOutputs> outputs_;
   CheckpointIdentity identity_;
   unsigned frames_ = 0, steps_per_frame_ = 1;
-  std::uint32_t contacts_dropped_ = 0; ///< the most at a frame
+  std::uint32_t contacts_dropped_ = 0;      ///< the most at a frame
   std::optional<std::uint64_t> saved_step_; ///< of the last checkpoint
   double earlier_seconds_ = 0;              ///< of the run before it was resumed
   Clock::time_point start_ = Clock::now();

@@ -103,26 +103,25 @@ const Table& contact_table() {
 
 const Table& output_table() {
   using S = OutputSettings;
-  static const Table table{
-      "output",
-      "[output]",
-      "What is written.",
-      {{.name = "fps",
-        .meaning = "frames a second of simulated time",
-        .slot = at<&S::fps>,
-        .unit = "1/s",
-        .range = positive},
-       {.name = "fields",
-        .meaning = "fields stored with the positions",
-        .slot = at<&S::fields>,
-        .choices = {"velocity", "displacement", "strain", "energy"}},
-       {.name = "data", .meaning = "write run.vtkhdf and run.xmf", .slot = at<&S::data>},
-       {.name = "checkpoint_every",
-        .meaning = "frames between checkpoints; 0: only at the end and when interrupted",
-        .slot = at<&S::checkpoint_every>,
-        .unit = "frames",
-        .range = {.low = 0, .high = 1e6}}},
-      std::make_shared<S>()};
+  static const Table table{"output",
+                           "[output]",
+                           "What is written.",
+                           {{.name = "fps",
+                             .meaning = "frames a second of simulated time",
+                             .slot = at<&S::fps>,
+                             .unit = "1/s",
+                             .range = positive},
+                            {.name = "fields",
+                             .meaning = "fields stored with the positions",
+                             .slot = at<&S::fields>,
+                             .choices = {"velocity", "displacement", "strain", "energy"}},
+                            {.name = "data", .meaning = "write run.vtkhdf and run.xmf", .slot = at<&S::data>},
+                            {.name = "checkpoint_every",
+                             .meaning = "frames between checkpoints; 0: only at the end and when interrupted",
+                             .slot = at<&S::checkpoint_every>,
+                             .unit = "frames",
+                             .range = {.low = 0, .high = 1e6}}},
+                           std::make_shared<S>()};
   return table;
 }
 

@@ -73,13 +73,14 @@ public:
   /// Phi of Eq. 13 at world positions, J: inertia, elasticity and contacts without friction. After
   /// begin_solving(), which fixes y*; the solve cannot go on afterwards.
   double potential(const std::vector<Vector3>& positions);
-  /// That, and the residual of Eq. 12 there in the D^-1 norm, sqrt(N m). The potential is not a number where the
-  /// plan has no energies.
+  /// That, and the residual of Eq. 12 there in the D^-1 norm, sqrt(N m). The potential is not a number where
+  /// the plan has no energies.
   struct Evaluation {
     double potential = 0, residual = 0;
   };
   Evaluation evaluate(const std::vector<Vector3>& positions);
-  /// Another first guess, m, world: right after begin_solving(). Held particles stay where they are told to be.
+  /// Another first guess, m, world: right after begin_solving(). Held particles stay where they are told to
+  /// be.
   void start_from(const std::vector<Vector3>& positions);
 
   const Plan& plan() const { return plan_; }
@@ -155,7 +156,7 @@ private:
   double stiffness_number_ = 0, floor_ = 0;
   unsigned iteration_ = 0; ///< of the solve
   std::uint64_t step_ = 0;
-  bool first_of_bdf2_ = true; ///< the step before is missing
+  bool first_of_bdf2_ = true;     ///< the step before is missing
   unsigned part_ = 0, parts_ = 1; ///< of a divided step
   std::uint64_t kept_step_ = 0;
   bool kept_first_of_bdf2_ = true;

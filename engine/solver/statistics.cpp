@@ -199,7 +199,8 @@ void Simulation::start_from(const std::vector<Vector3>& positions) {
   for (std::size_t i = 0; i < u.size(); ++i) {
     if (target[i].w < 0) continue;
     const Real4<double>& body = o[model_.body[i]];
-    const Vector3 x = positions[i] - scene_origin_ - Vector3(body.x + y[i].x, body.y + y[i].y, body.z + y[i].z);
+    const Vector3 x =
+        positions[i] - scene_origin_ - Vector3(body.x + y[i].x, body.y + y[i].y, body.z + y[i].z);
     u[i] = {x.x(), x.y(), x.z(), 0};
   }
   device_.upload(s.displacement, u);

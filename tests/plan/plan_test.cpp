@@ -162,8 +162,7 @@ TEST_P(PlanTruth, EachMethodOnlyItsOwn) {
       EXPECT_EQ(used.count("stationary iteration"), line_search ? 0u : 1u);
       EXPECT_EQ(used.count("newton"), method == "newton" ? 1u : 0u);
       EXPECT_EQ(used.count("l-bfgs"), method == "lbfgs" ? 1u : 0u);
-      EXPECT_EQ(used.count("preconditioner"),
-                std::string(preconditioner) == "multilevel" ? 1u : 0u);
+      EXPECT_EQ(used.count("preconditioner"), std::string(preconditioner) == "multilevel" ? 1u : 0u);
     }
   }
 }
@@ -175,8 +174,8 @@ TEST_P(PlanTruth, EverythingTogether) {
   made.request.fields = {"strain", "energy"};
   const Truth truth = expect_truth(GetParam(), made, "everything");
   EXPECT_EQ(truth.plan.left_out,
-            (std::vector<std::string>{"line search", "diagonal preconditioner", "preconditioner",
-                                      "direct", "newton", "quasi-newton", "l-bfgs", "corotated elasticity",
+            (std::vector<std::string>{"line search", "diagonal preconditioner", "preconditioner", "direct",
+                                      "newton", "quasi-newton", "l-bfgs", "corotated elasticity",
                                       "ordinary elasticity"}));
 }
 

@@ -19,8 +19,8 @@ public:
   std::map<std::string, std::size_t> allocated; ///< name to bytes, of each buffer ever asked for
   std::set<std::string> dispatched;             ///< variants, e.g. "predict[bdf2=0,loaded=1]"
   std::set<std::string> prepared;               ///< the same
-  std::set<std::string> used;                   ///< names of buffers that a dispatched shader names or a copy fills
-  bool twice = false;                           ///< two buffers of one name
+  std::set<std::string> used; ///< names of buffers that a dispatched shader names or a copy fills
+  bool twice = false;         ///< two buffers of one name
 
   const DeviceInfo& info() const override { return device_.info(); }
   Buffer allocate(std::string_view name, Type type, std::size_t count) override {

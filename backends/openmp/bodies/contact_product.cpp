@@ -29,7 +29,9 @@ template <class real> void contact_product(const kernels::contact_product::View<
       const Vec3<real> n = r2 > real(1e-12) * d2 ? (1 / r) * y : agreed_direction<real>(i, j);
       const real limit = k.friction * both * (k.contact_distance - r);
       const Vec3<real> slide = moved - dot(n, moved) * n;
-      const real slid = norm(slide), hold = both * slid < limit ? both : slid > 0 ? limit / slid : 0; // no friction: none
+      const real slid = norm(slide), hold = both * slid < limit ? both
+                                            : slid > 0          ? limit / slid
+                                                                : 0; // no friction: none
       rate = rate + hold * relative + ((both - hold) * dot(n, relative)) * n;
     }
     const auto f = k.force[i];
