@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -31,8 +32,8 @@ struct Image {
     const double share = coverage < 0 ? 0 : coverage > 1 ? 1 : coverage;
     std::uint8_t* pixel = at(static_cast<unsigned>(x), static_cast<unsigned>(y));
     for (unsigned c = 0; c < 3; ++c)
-      pixel[c] = static_cast<std::uint8_t>(pixel[c] + (colour[c] - pixel[c]) * share + 0.5);
-    if (channels == 4) pixel[3] = static_cast<std::uint8_t>(pixel[3] + (255 - pixel[3]) * share + 0.5);
+      pixel[c] = static_cast<std::uint8_t>(std::lround(pixel[c] + (colour[c] - pixel[c]) * share));
+    if (channels == 4) pixel[3] = static_cast<std::uint8_t>(std::lround(pixel[3] + (255 - pixel[3]) * share));
   }
 };
 

@@ -55,7 +55,7 @@ double milliseconds_since(Clock::time_point start) {
 template <class T> T percentile(std::vector<T> values, double share) {
   if (values.empty()) return T{};
   std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+  return values[static_cast<std::size_t>(std::lround(share * static_cast<double>(values.size() - 1)))];
 }
 
 std::string stop_name(StopReason reason) {
