@@ -139,7 +139,7 @@ TEST_F(Stability, TheCommandWritesItsFiles) {
   for (const char* key : {"case", "young", "poisson", "time_step", "method", "backend", "finite", "bounded",
                           "recovered", "iterations", "restarts"})
     EXPECT_TRUE(report["cells"][0].contains(key)) << key;
-  EXPECT_LE(report["cells"][0]["iterations"], 60);
+  EXPECT_LE(report["cells"][0]["iterations"], 2 * 60); // of each step: the first evaluation, and one more
   for (const char* key : {"cells", "non_finite", "unbounded", "unrecovered"})
     EXPECT_TRUE(report.at("summary").contains(key)) << key;
   EXPECT_EQ(report["summary"]["cells"], 4);
