@@ -17,7 +17,7 @@ using Place = std::array<int, 3>;
 struct Key {
   std::uint32_t body;
   int z, y, x;
-  auto operator<=>(const Key&) const = default;
+  auto operator<=>(const Key&) const = default; // NOLINT(modernize-use-nullptr): of the defaulted comparison
 };
 
 struct Constants {

@@ -73,10 +73,12 @@ Entry make_entry(const std::string& size) {
     ground.name = "ground";
     ground.shape.kind = Shape::Kind::plane;
     scene.boundaries.push_back(ground);
+    scene.solver.method = "chebyshev";
     scene.solver.iterations = 64;
     scene.solver.tolerance = 0;
   } else { // 100 x 100 x 100, in free fall
     scene.simulation.spacing = 0.01;
+    scene.solver.method = "chebyshev";
     scene.solver.iterations = 16;
     scene.solver.tolerance = 0;
   }
