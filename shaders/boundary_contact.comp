@@ -9,8 +9,8 @@
 float grid_value(uvec4 nodes, uvec3 at) { return grid_distance[nodes.w + (at.z * nodes.y + at.y) * nodes.x + at.x]; }
 
 float mesh_distance(vec3 a, vec3 u, vec3 low, float cell, uvec4 nodes, bool container, out vec3 normal) {
-  vec3 start = (a - low) / cell, whole = floor(start);
-  vec3 part = (start - whole) + u / cell; // relative to `whole`: u keeps its digits
+  vec3 cell_at = (a - low) / cell, whole = floor(cell_at);
+  vec3 part = (cell_at - whole) + u / cell; // relative to `whole`: u keeps its digits
   vec3 last = vec3(nodes.xyz) - 2.0;
   vec3 at = clamp(whole + floor(part), vec3(0.0), last);
   part -= at - whole;
@@ -41,8 +41,13 @@ float mesh_distance(vec3 a, vec3 u, vec3 low, float cell, uvec4 nodes, bool cont
 void main() {
   uint i = thread_index();
   if (i >= threads || solver[SOLVER_STOP] > 0.0) return;
-  vec4 f = force[i], begin = start[i];
+  vec4 f = force[i];
   vec3 u = displacement[i].xyz, base = vec3(base_x, base_y, base_z);
+#if potential || tangent
+  vec4 begin = start[i];
+#else
+  vec4 begin = vec4((origin[owner[i]].xyz - base) + position[i].xyz, f.w > 0.0 ? f.w : least_stiffness);
+#endif
   float k = begin.w;
 #if potential
   float stored = 0.0;

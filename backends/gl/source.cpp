@@ -54,12 +54,14 @@ std::string interface_text(const KernelInfo& kernel, const void* args, const std
     out << "  " << type_name(field.type) << " " << field.name << ";\n";
   }
   out << "};\n";
-  std::uint32_t buffers = 0;
+  std::set<std::uint32_t> slots; // of this variant: fields that no variant uses together may share one
   for (const Field& field : kernel.fields) {
     if (field.role == Role::option || field.role == Role::parameter) continue;
-    if (field.role != Role::table && (++buffers > max_buffers || field.slot >= max_buffers))
-      fail(kernel, "more than 8 storage buffers, which is all that OpenGL 4.3 promises");
     if (!used.count(field.name)) continue;
+    if (field.role != Role::table && field.slot >= max_buffers)
+      fail(kernel, "more than 8 storage buffers, which is all that OpenGL 4.3 promises");
+    if (field.role != Role::table && !slots.insert(field.slot).second)
+      fail(kernel, std::string("buffer '") + field.name + "' has the slot of another that this variant uses");
     if (field.role == Role::table) {
       // std140 would pad each scalar of an array to 16 bytes.
       if (field.type != Type::real4 && field.type != Type::uint4)

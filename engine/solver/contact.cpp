@@ -72,6 +72,7 @@ ContactPlan plan_contacts(const Scene& scene, const Model& model, ContactUse use
   for (const char* where : {boundary_component, component}) {
     if (where == component ? !plan.pairs() : !plan.boundaries) continue;
     buffer("touched", Type::uint, n, where);
+    if (!plan.started()) continue;
     buffer("contact_start", Type::real4, n, where);
     kernel(kernels::contact_start::Args{}, where);
   }
@@ -160,7 +161,8 @@ BufferStorage* Contacts::buffer(const std::string& name) const {
 namespace {
 
 kernels::boundary_contact::Args boundary_args(const Contacts& contacts, const ContactState& state,
-                                              std::uint32_t obstacles, const Vector3& base) {
+                                              std::uint32_t obstacles, const Vector3& base,
+                                              double least_stiffness) {
   kernels::boundary_contact::Args args;
   args.threads = contacts.plan().particles;
   args.meshes = contacts.plan().meshes;
@@ -168,12 +170,16 @@ kernels::boundary_contact::Args boundary_args(const Contacts& contacts, const Co
   args.tangent = contacts.plan().use.tangent;
   args.obstacles = obstacles;
   args.radius = contacts.plan().radius;
+  args.least_stiffness = least_stiffness;
   args.base_x = base[0];
   args.base_y = base[1];
   args.base_z = base[2];
   args.obstacle = contacts.buffer("obstacle");
   args.grid = contacts.buffer("obstacle_grid");
   args.start = contacts.buffer("contact_start");
+  args.position = state.position;
+  args.owner = state.owner;
+  args.origin = state.origin;
   args.displacement = state.displacement;
   args.grid_distance = contacts.buffer("grid_distance");
   args.solver = state.solver;
@@ -301,8 +307,8 @@ template <class Visit> void Contacts::each_kernel(const ContactState& state, Vis
 void Contacts::prepare() {
   const ContactState none;
   const auto compile = [&](const auto& args) { device_.prepare(args.info(), &args); };
-  if (plan_.any()) compile(kernels::contact_start::Args{});
-  if (plan_.boundaries) compile(boundary_args(*this, none, 0, base_));
+  if (plan_.started()) compile(kernels::contact_start::Args{});
+  if (plan_.boundaries) compile(boundary_args(*this, none, 0, base_, 0));
   if (!plan_.pairs()) return;
   each_kernel(none, compile);
   compile(force_args(*this, none, friction_));
@@ -315,13 +321,15 @@ void Contacts::begin_step(double time, double step, const ContactState& state) {
     device_.enter(boundary_component);
     device_.upload(buffer("obstacle"), obstacles_.table(time, time + step, origin_));
   }
+  least_stiffness_ = lightest_ / (step * step); // of particles without bonds
+  if (!plan_.started()) return;
   device_.enter(plan_.pairs() ? component : boundary_component);
   kernels::contact_start::Args start;
   start.threads = plan_.particles;
   start.base_x = base_[0];
   start.base_y = base_[1];
   start.base_z = base_[2];
-  start.least_stiffness = lightest_ / (step * step); // of particles without bonds
+  start.least_stiffness = least_stiffness_;
   start.owner = state.owner;
   start.origin = state.origin;
   start.position = state.position;
@@ -339,7 +347,7 @@ void Contacts::find(const ContactState& state) {
 void Contacts::add_forces(const ContactState& state) {
   if (plan_.boundaries) {
     device_.enter(boundary_component);
-    device_.run(boundary_args(*this, state, obstacles_.count(), base_));
+    device_.run(boundary_args(*this, state, obstacles_.count(), base_, least_stiffness_));
   }
   if (plan_.pairs()) {
     device_.enter(component);

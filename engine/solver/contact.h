@@ -58,6 +58,8 @@ struct ContactPlan {
   std::vector<KernelSpec> kernels;
   bool pairs() const { return between || within; }
   bool any() const { return boundaries || pairs(); }
+  /// Where steps begin, gathered in one buffer: for pairs, and for obstacles in a line search.
+  bool started() const { return pairs() || (boundaries && (use.potential || use.tangent)); }
   /// m; lists stay complete while no two particles have approached each other by more than this since find().
   double margin() const { return reach - distance; }
 };
@@ -106,10 +108,10 @@ private:
   ContactPlan plan_;
   Obstacles obstacles_;
   std::map<std::string, Buffer> buffers_;
-  double friction_ = 0, lightest_ = 0; ///< -, kg
-  bool still_ = false;                 ///< no obstacle moves: the table holds for every step
-  Vector3 origin_ = Vector3::Zero();   ///< m, world: of the device's coordinates
-  Vector3 base_ = Vector3::Zero();     ///< m: the bodies' middle, relative to it
+  double friction_ = 0, lightest_ = 0, least_stiffness_ = 0; ///< -, kg, N/m
+  bool still_ = false;               ///< no obstacle moves: the table holds for every step
+  Vector3 origin_ = Vector3::Zero(); ///< m, world: of the device's coordinates
+  Vector3 base_ = Vector3::Zero();   ///< m: the bodies' middle, relative to it
 };
 
 } // namespace pliant

@@ -51,9 +51,9 @@ float cylinder_distance(vec3 a, vec3 u, float size, float half_height, out vec3 
 
 float torus_distance(vec3 a, vec3 u, float ring, float tube, out vec3 normal) {
   vec3 outward;
-  float start = length(a.xz) - ring, q = radial_distance(a, u, ring, outward), change = q - start;
-  float length_a = length(vec2(start, a.y)), length_b = length(vec2(q, a.y + u.y));
+  float reach = length(a.xz) - ring, q = radial_distance(a, u, ring, outward), change = q - reach;
+  float length_a = length(vec2(reach, a.y)), length_b = length(vec2(q, a.y + u.y));
   normal = length_b > 0.0 ? (q * outward + vec3(0.0, a.y + u.y, 0.0)) / length_b : vec3(0.0, 1.0, 0.0);
-  float slope = (2.0 * start + change) * change + (2.0 * a.y + u.y) * u.y;
+  float slope = (2.0 * reach + change) * change + (2.0 * a.y + u.y) * u.y;
   return (length_a - tube) + length_change(length_a, length_b, slope);
 }

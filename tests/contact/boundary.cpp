@@ -233,18 +233,16 @@ TEST(ContactPlan, NothingWhereNothingCanTouch) {
   EXPECT_EQ(contacts.touched(), nullptr);
 }
 
-TEST(ContactPlan, FloorAloneNeedsNoGrid) {
+TEST(ContactPlan, FloorAloneNeedsOneKernelAndNoGrid) {
   World world;
   world.add({0, 0, 0});
   world.add_boundary(floor_shape());
   const ContactPlan plan = plan_contacts(world.scene, world.model);
-  ASSERT_EQ(plan.kernels.size(), 2u);
-  EXPECT_STREQ(plan.kernels[0].info->name, "contact_start");
-  EXPECT_STREQ(plan.kernels[1].info->name, "boundary_contact");
-  ASSERT_EQ(plan.buffers.size(), 3u);
+  ASSERT_EQ(plan.kernels.size(), 1u);
+  EXPECT_STREQ(plan.kernels[0].info->name, "boundary_contact");
+  ASSERT_EQ(plan.buffers.size(), 2u);
   EXPECT_EQ(plan.buffers[0].name, "touched");
-  EXPECT_EQ(plan.buffers[1].name, "contact_start");
-  EXPECT_EQ(plan.buffers[2].name, "obstacle");
+  EXPECT_EQ(plan.buffers[1].name, "obstacle");
 }
 
 TEST(ContactPlan, TooManyBoundaries) {

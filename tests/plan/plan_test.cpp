@@ -191,6 +191,7 @@ TEST(Plan, BytesOfALargeBall) {
     PlanScene made = elastic_only("corotated", points);
     made.scene.solver.restore_momentum = true;
     made.request.statistics = true;
+    made.scene.boundaries = {floor_below()};
     const Plan plan = make_plan(made.scene, made.model, slice_bonds(made.model), made.request);
     const double particle = plan.bytes_per_particle(Precision::single_precision),
                  bond = plan.bytes_per_bond(Precision::single_precision);

@@ -145,13 +145,21 @@ template <class real> void boundary_contact(const kernels::boundary_contact::Vie
   for (uint i = 0; i < k.threads; ++i) {
     auto f = k.force[i];
     const Vec3<real> u = xyz(k.displacement[i]);
-    const real stiffness = k.start[i].w;
+    Vec3<real> begin; // y_n relative to the base
+    real stiffness;
+    if (k.potential || k.tangent) {
+      begin = xyz(k.start[i]);
+      stiffness = k.start[i].w;
+    } else {
+      begin = (xyz(k.origin[k.owner[i]]) - base) + xyz(k.position[i]);
+      stiffness = f.w > 0 ? f.w : k.least_stiffness;
+    }
     uint acts = 0;
     real stored = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
     for (uint o = 0; o < k.obstacles; ++o) {
       const auto* rows = k.obstacle + OBSTACLE_ROWS * o;
       const auto traits = rows[OBSTACLE_KIND], place = rows[OBSTACLE_CENTRE];
-      const Vec3<real> start = xyz(k.start[i]) - (xyz(place) - base), now = start + u;
+      const Vec3<real> start = begin - (xyz(place) - base), now = start + u;
       if (dot(now, now) > place.w * place.w) continue;
       const auto size = rows[OBSTACLE_SIZE];
       const auto *axes = rows + OBSTACLE_AXES, *shift = rows + OBSTACLE_SHIFT;
