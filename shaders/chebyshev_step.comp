@@ -2,7 +2,7 @@
 #include "common/solver.glsl"
 
 #if checked
-shared float group_sum[128];
+shared vec4 group_sum[128];
 #endif
 
 // omega of Chebyshev's recurrence after m accelerated iterations, in closed form:
@@ -18,7 +18,7 @@ float chebyshev_omega(float m, float one_minus_rho) {
 void main() {
   uint i = thread_index();
   if (solver[SOLVER_STOP] > 0.0) return;
-  float error = 0.0;
+  vec4 sums = vec4(0.0);
   if (i < threads) {
     vec4 target = inertia_target[i], f = force[i];
     vec3 u = displacement[i].xyz, u_earlier = earlier_iterate[i].xyz, u_next = u;
@@ -33,13 +33,19 @@ void main() {
 #else
       u_next = omega * ((solver[SOLVER_GAMMA] / diagonal) * r + (u - u_earlier)) + u_earlier;
 #endif
-      error = dot(r, r) / diagonal;
+#if checked
+      sums.xyz = vec3(dot(r, r) / diagonal, target.w * target.w * dot(target.xyz, target.xyz) / diagonal,
+                      diagonal * dot(u, u));
+#if contacts
+      if (touched[i] != 0u) sums.w = 1.0 + float((i * 2654435761u) >> 16) / 65536.0;
+#endif
+#endif
     }
     earlier_iterate[i] = vec4(u_next, 0.0);
   }
 #if checked
   uint lane = gl_LocalInvocationIndex;
-  group_sum[lane] = error;
+  group_sum[lane] = sums;
   barrier();
   for (uint half_width = 64; half_width > 0; half_width /= 2) {
     if (lane < half_width) group_sum[lane] += group_sum[lane + half_width];

@@ -11,4 +11,6 @@ void main() {
     displacement[i] = best_iterate[i] + solver[SOLVER_FACTOR] * (displacement[i] - best_iterate[i]);
   else if (action == 3.0)
     displacement[i] = best_iterate[i];
+  else if (action == 4.0 && inertia_target[i].w >= 0.0)
+    displacement[i] = vec4(0.0);
 }

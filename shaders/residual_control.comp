@@ -1,13 +1,13 @@
 // The residual and what follows from it; see kernels/residual_control.decl.
 #include "common/solver.glsl"
 
-shared float group_sum[256];
+shared vec4 group_sum[256];
 
 void main() {
   uint lane = gl_LocalInvocationIndex;
-  float sum = 0.0;
-  for (uint k = lane; k < partial_count; k += 256) sum += residual_partial[k];
-  group_sum[lane] = sum;
+  vec4 sums = vec4(0.0);
+  for (uint k = lane; k < partial_count; k += 256) sums += residual_partial[k];
+  group_sum[lane] = sums;
   barrier();
   for (uint half_width = 128; half_width > 0; half_width /= 2) {
     if (lane < half_width) group_sum[lane] += group_sum[lane + half_width];
@@ -18,7 +18,9 @@ void main() {
     solver[SOLVER_ACTION] = 0.0;
     return;
   }
-  float e = sqrt(group_sum[0]);
+  sums = group_sum[0];
+  float e = sqrt(sums.x), moved = sqrt(sums.z), low = floor_residual;
+  if (moved < 1e30) low = max(low, rounding * moved);
   bool finite = !isnan(e) && !isinf(e);
   if (iteration == 0) {
     solver[SOLVER_STOP] = 0.0;
@@ -31,15 +33,36 @@ void main() {
     solver[SOLVER_REASON] = 3.0;
     solver[SOLVER_DELAY] = float(delay);
     solver[SOLVER_ACCELERATE] = float(accelerate);
+    solver[SOLVER_SCALE] = sqrt(sums.y);
+    solver[SOLVER_TRIAL] = 0.0;
+    solver[SOLVER_TOUCHED] = sums.w;
   }
   solver[SOLVER_CURRENT] = e;
+  solver[SOLVER_FLOOR] = low;
   solver[SOLVER_ACTION] = 0.0;
+  if (iteration == 0 && second_guess != 0u && moved > 0.0 && !(e <= low) && !(e <= 2.0 * solver[SOLVER_SCALE])) {
+    solver[SOLVER_TRIAL] = 1.0;
+    solver[SOLVER_ACTION] = 3.0;
+    solver[SOLVER_START] = 1.0;
+    return;
+  }
+  if (solver[SOLVER_TRIAL] > 0.0) {
+    solver[SOLVER_TRIAL] = 0.0;
+    if (!(e < solver[SOLVER_BEST])) {
+      solver[SOLVER_ACTION] = 2.0;
+      solver[SOLVER_START] = float(iteration + 1);
+      return;
+    }
+    solver[SOLVER_FIRST] = e;
+  }
   if (restart != 0) {
     // Another set of contacts is another problem: its residuals are not compared with the old ones.
     solver[SOLVER_START] = float(iteration);
     if (finite) {
       solver[SOLVER_BEST] = e;
-      solver[SOLVER_FIRST] = iteration == 0 ? e : max(e, solver[SOLVER_FIRST]);
+      // What momentum alone would leave is the most that a tolerance should be measured against.
+      if (iteration == 0) solver[SOLVER_FIRST] = e;
+      else solver[SOLVER_FIRST] = max(solver[SOLVER_FIRST], min(e, solver[SOLVER_SCALE]));
       solver[SOLVER_ITERATIONS] = float(iteration);
       solver[SOLVER_ACTION] = 1.0;
     }
@@ -57,8 +80,12 @@ void main() {
     // A first guess that was not finite measures nothing: its successor does.
     if (isnan(solver[SOLVER_FIRST]) || isinf(solver[SOLVER_FIRST])) solver[SOLVER_FIRST] = e;
   }
-  if (finite && (e <= floor_residual || e <= tolerance * solver[SOLVER_FIRST])) {
+  if (sums.w != solver[SOLVER_TOUCHED]) { // other contacts act: what the acceleration assumes is another problem
+    solver[SOLVER_TOUCHED] = sums.w;
+    solver[SOLVER_START] = float(iteration + 1);
+  }
+  if (finite && (e <= low || e <= tolerance * solver[SOLVER_FIRST])) {
     solver[SOLVER_STOP] = 1.0;
-    solver[SOLVER_REASON] = e <= floor_residual ? 2.0 : 1.0;
+    solver[SOLVER_REASON] = e <= low ? 2.0 : 1.0;
   }
 }

@@ -33,7 +33,7 @@ void main() {
   statistics[base + 7] = sqrt(group_largest[0].y);
   statistics[base + 8] = solver[SOLVER_FIRST];
   statistics[base + 9] = solver[SOLVER_BEST];
-  statistics[base + 10] = solver[SOLVER_CURRENT];
+  statistics[base + 10] = solver[SOLVER_FLOOR];
   statistics[base + 11] = solver[SOLVER_ITERATIONS];
   statistics[base + 12] = solver[SOLVER_RESTARTS];
   statistics[base + 13] = solver[SOLVER_REASON];

@@ -75,14 +75,15 @@ public:
     const std::uint32_t position = method == "position";
     const std::size_t group = kernels::chebyshev_step::group_size, groups = (n_ + group - 1) / group;
     buffer("earlier_iterate", Type::real4, n_);
-    buffer("residual_partial", Type::real, groups);
-    kernel(kernels::chebyshev_step::Args{.checked = 0, .position = position});
-    kernel(kernels::chebyshev_step::Args{.checked = 1, .position = position});
+    buffer("residual_partial", Type::real4, groups);
+    const std::uint32_t contacts = plan_.boundaries || plan_.pairs;
+    for (const std::uint32_t checked : {0u, 1u})
+      kernel(kernels::chebyshev_step::Args{.checked = checked, .position = position, .contacts = contacts});
     kernels<kernels::residual_control::Args, kernels::guard_apply::Args>();
     begin("line search", plan_.method.line_search);
     const std::uint32_t potential = plan_.method.potential;
     buffer("residual", Type::real4, n_);
-    buffer("solve_partial", Type::real4, groups);
+    buffer("solve_partial", Type::real4, 2 * groups);
     buffer("preconditioned", Type::real4, n_);
     kernel(kernels::residual::Args{.potential = potential});
     kernel(kernels::line_control::Args{.potential = potential});

@@ -36,7 +36,8 @@ struct SolveContext {
 struct SolveBounds {
   double step = 0;             ///< h, or (2/3) h of BDF2, s
   double stiffness_number = 0; ///< eta
-  double floor = 0;            ///< what the precision can reach, sqrt(N m)
+  double floor = 0;            ///< what the precision can reach near the start of the step, sqrt(N m)
+  double rounding = 0;         ///< of a displacement, relative
   unsigned cap = 0;            ///< iterations
 };
 

@@ -44,10 +44,11 @@ void LineSearch::judge(unsigned k, bool restart) {
       .threads = kernels::line_control::group_size,
       .potential = context_.plan.method.potential,
       .iteration = k,
-      .partial_count = static_cast<std::uint32_t>(s.solve_partial.count()),
+      .partial_count = static_cast<std::uint32_t>(s.solve_partial.count() / 2),
       .restart = restart,
       .tolerance = settings.fixed_iterations ? 0 : settings.tolerance,
       .floor_residual = settings.fixed_iterations ? 0 : bounds_.floor,
+      .rounding = settings.fixed_iterations ? 0 : bounds_.rounding,
       // A sum of n terms of one sign, by groups: a few tens of roundings.
       .noise = device.info().precision == Precision::double_precision ? 1e-14 : 3e-6,
       .solve_partial = s.solve_partial,
@@ -60,7 +61,8 @@ void LineSearch::apply() {
       kernels::line_apply::Args{.threads = static_cast<std::uint32_t>(context_.plan.particles),
                                 .solver = s.solver,
                                 .displacement = s.displacement,
-                                .best_iterate = s.best_iterate});
+                                .best_iterate = s.best_iterate,
+                                .inertia_target = s.inertia_target});
 }
 
 } // namespace pliant

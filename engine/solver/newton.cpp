@@ -63,13 +63,13 @@ void Newton::apply(unsigned k, bool, bool restart) {
 void Newton::control(bool after, bool last) {
   SimulationState& s = context_.state;
   context_.device.enter("solver");
-  context_.device.run(
-      kernels::conjugate_control::Args{.threads = kernels::conjugate_control::group_size,
-                                       .after = after,
-                                       .partial_count = static_cast<std::uint32_t>(s.solve_partial.count()),
-                                       .last = last,
-                                       .solve_partial = s.solve_partial,
-                                       .solver = s.solver});
+  context_.device.run(kernels::conjugate_control::Args{
+      .threads = kernels::conjugate_control::group_size,
+      .after = after,
+      .partial_count = static_cast<std::uint32_t>(s.solve_partial.count() / 2),
+      .last = last,
+      .solve_partial = s.solve_partial,
+      .solver = s.solver});
 }
 
 } // namespace pliant

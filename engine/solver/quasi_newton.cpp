@@ -57,7 +57,7 @@ void QuasiNewton::apply(unsigned k, bool, bool restart) {
   device.run(
       kernels::history_control::Args{.threads = kernels::history_control::group_size,
                                      .remembers = remembers_,
-                                     .partial_count = static_cast<std::uint32_t>(s.solve_partial.count()),
+                                     .partial_count = static_cast<std::uint32_t>(s.solve_partial.count() / 2),
                                      .forget = anew,
                                      .first_length = first_length_,
                                      .solve_partial = s.solve_partial,

@@ -182,7 +182,8 @@ void Simulation::choose_step(double step) {
                              ? std::numeric_limits<double>::epsilon()
                              : std::numeric_limits<float>::epsilon();
   // Forces are sums of terms of size K times the spacing, each wrong by one rounding: half an epsilon.
-  floor_ = epsilon / 2 * model_.spacing * stiffness.noise;
+  rounding_ = epsilon / 2;
+  floor_ = rounding_ * model_.spacing * stiffness.noise;
 }
 
 void Simulation::begin_step() {

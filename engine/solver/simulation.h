@@ -153,7 +153,7 @@ private:
   double time_step_ = 0, solve_step_ = 0;  ///< h, and (2/3) h where BDF2
   std::vector<Real4<double>> loaded_;      ///< forces on the device, N
   std::uint32_t held_count_ = 0;           ///< particles held in this step
-  double stiffness_number_ = 0, floor_ = 0;
+  double stiffness_number_ = 0, floor_ = 0, rounding_ = 0;
   unsigned iteration_ = 0; ///< of the solve
   std::uint64_t step_ = 0;
   bool first_of_bdf2_ = true;     ///< the step before is missing

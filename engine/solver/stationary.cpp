@@ -1,6 +1,7 @@
 // Runs the stationary methods' kernels.
 #include "engine/solver/stationary.h"
 
+#include "engine/solver/contact.h"
 #include "engine/solver/state.h"
 #include "kernels/chebyshev_step.h"
 #include "kernels/guard_apply.h"
@@ -36,16 +37,19 @@ void Stationary::apply(unsigned k, bool checked, bool restart) {
   const std::string& method = context_.plan.method.name;
   const bool position = method == "position", accelerate = method == "chebyshev";
   device.enter("solver");
-  device.run(kernels::chebyshev_step::Args{.threads = n,
-                                           .checked = checked,
-                                           .position = position,
-                                           .iteration = k,
-                                           .inertia_target = s.inertia_target,
-                                           .force = s.force,
-                                           .displacement = s.displacement,
-                                           .earlier_iterate = s.earlier_iterate,
-                                           .solver = s.solver,
-                                           .residual_partial = s.residual_partial});
+  device.run(
+      kernels::chebyshev_step::Args{.threads = n,
+                                    .checked = checked,
+                                    .position = position,
+                                    .contacts = context_.contacts != nullptr,
+                                    .iteration = k,
+                                    .inertia_target = s.inertia_target,
+                                    .force = s.force,
+                                    .displacement = s.displacement,
+                                    .earlier_iterate = s.earlier_iterate,
+                                    .solver = s.solver,
+                                    .residual_partial = s.residual_partial,
+                                    .touched = context_.contacts ? context_.contacts->touched() : nullptr});
   swap(s.displacement, s.earlier_iterate);
   if (!checked) return;
   device.run(kernels::residual_control::Args{
@@ -59,13 +63,16 @@ void Stationary::apply(unsigned k, bool checked, bool restart) {
       .gamma = accelerate ? settings.under_relaxation : 1.0,
       .tolerance = settings.fixed_iterations ? 0 : settings.tolerance,
       .floor_residual = settings.fixed_iterations ? 0 : bounds_.floor,
+      .rounding = settings.fixed_iterations ? 0 : bounds_.rounding,
+      .second_guess = !position,
       .residual_partial = s.residual_partial,
       .solver = s.solver});
   device.run(kernels::guard_apply::Args{.threads = n,
                                         .solver = s.solver,
                                         .displacement = s.displacement,
                                         .earlier_iterate = s.earlier_iterate,
-                                        .best_iterate = s.best_iterate});
+                                        .best_iterate = s.best_iterate,
+                                        .inertia_target = s.inertia_target});
 }
 
 } // namespace pliant

@@ -62,7 +62,7 @@ StepStatistics Simulation::row(std::span<const std::byte> bytes, std::uint64_t s
   s.first_residual = value[8];
   s.last_residual = value[9];
   s.residual = value[8] > 0 ? value[9] / value[8] : 0;
-  s.floor = floor_;
+  s.floor = value[10];
   s.iterations = static_cast<unsigned>(value[11]);
   s.restarts = static_cast<unsigned>(value[12]);
   s.reason = static_cast<StopReason>(static_cast<int>(value[13]));
@@ -208,6 +208,7 @@ void Simulation::start_from(const std::vector<Vector3>& positions) {
   global_step_->begin({.step = solve_step_,
                        .stiffness_number = stiffness_number_,
                        .floor = floor_,
+                       .rounding = rounding_,
                        .cap = scene_.solver.iterations});
 }
 

@@ -47,7 +47,7 @@ void Simulation::begin_solving() {
 bool Simulation::iterate(bool look) {
   const unsigned k = iteration_++, cap = scene_.solver.iterations;
   const bool search = plan_.pairs && searches(k) && k < cap;
-  const bool checked = look || k % global_step_->check_every() == 0 || k == cap || search;
+  const bool checked = look || k <= 1 || k % global_step_->check_every() == 0 || k == cap || search;
   if (search) {
     if (k > 0) global_step_->restart();
     contacts_->find(contact_state(*state_));
@@ -102,6 +102,7 @@ void Simulation::begin_solve() {
   global_step_->begin({.step = solve_step_,
                        .stiffness_number = stiffness_number_,
                        .floor = floor_,
+                       .rounding = rounding_,
                        .cap = scene_.solver.iterations});
 }
 

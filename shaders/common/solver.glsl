@@ -33,6 +33,10 @@
 #define SOLVER_KEEP_Z 30       // coefficients of a quasi-Newton direction: of z,
 #define SOLVER_KEEP_STEP 31    //   of each step (MEMORY),
 #define SOLVER_KEEP_IMAGE 36   //   of each image (MEMORY)
+#define SOLVER_SCALE 41        // of the residual that momentum alone would leave, |(m / h^2) u*| in its norm, sqrt(N m)
+#define SOLVER_TRIAL 42        // 1: the other first guess, standing still, is evaluated
+#define SOLVER_FLOOR 43        // what the precision can reach, sqrt(N m)
+#define SOLVER_TOUCHED 44      // mark of the set of particles in contact
 #define SOLVER_ENTRIES 64
 #define MEMORY 5               // steps that a quasi-Newton method remembers
 #define HISTORY_DOTS 25        // five a slot: s.r, z.r, s.y_new, s_new.y, y.z_new

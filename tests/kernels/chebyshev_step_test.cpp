@@ -25,7 +25,7 @@ struct Problem {
   Values in;
   std::map<std::string, Expected> wanted;
   Problem(std::size_t count, bool checked, std::uint32_t iteration, std::uint32_t start, double one_minus_rho,
-          bool accelerate = true) {
+          bool accelerate = true, bool contacts = false) {
     Random random(kernel_seed + 20);
     constexpr int delay = 10;
     one_minus_rho = rounded(one_minus_rho);
@@ -37,6 +37,8 @@ struct Problem {
     }
     const std::vector<double> u = random_groups(random, count, 0.01),
                               earlier = random_groups(random, count, 0.01);
+    std::vector<double> touched(count);
+    for (std::size_t i = 0; i < count; ++i) touched[i] = i % 3 == 1;
     std::vector<double> solver(SOLVER_ENTRIES, not_a_number);
     solver[SOLVER_STOP] = 0;
     solver[SOLVER_START] = start;
@@ -53,12 +55,14 @@ struct Problem {
           {"displacement", u},
           {"earlier_iterate", guarded(earlier, 4)},
           {"solver", solver},
-          {"residual_partial", std::vector<double>(groups + behind, sentinel)}};
+          {"contacts", {double(contacts)}},
+          {"touched", touched},
+          {"residual_partial", std::vector<double>(4 * (groups + behind), sentinel)}};
     const int m = accelerate ? std::max(0, int(iteration) - int(start) - delay + 1) : 0;
     const double omega = recurrence(m, 1 - one_minus_rho);
     Expected next(in["earlier_iterate"]), partial(in["residual_partial"]);
     if (checked)
-      for (std::size_t g = 0; g < groups; ++g) partial.set(g, 0);
+      for (std::size_t g = 0; g < 4 * groups; ++g) partial.set(g, 0);
     for (std::size_t i = 0; i < count; ++i) {
       const Vector3 now = vector_at(u, i), before = vector_at(earlier, i), goal = vector_at(target, i),
                     f = vector_at(force, i);
@@ -73,8 +77,18 @@ struct Problem {
                  omega * (gamma / diagonal * size_r + now.cwiseAbs() + before.cwiseAbs()) +
                      before.cwiseAbs());
       if (checked) {
-        partial.value[i / group] += r.squaredNorm() / diagonal;
-        partial.scale[i / group] += r.norm() * size_r.norm() / diagonal;
+        const std::size_t at = 4 * (i / group);
+        const auto add = [&](std::size_t k, double value, double size) {
+          partial.value[at + k] += value;
+          partial.scale[at + k] += size;
+        };
+        add(0, r.squaredNorm() / diagonal, r.norm() * size_r.norm() / diagonal);
+        const double momentum = (inertia * goal).squaredNorm() / diagonal,
+                     moved = diagonal * now.squaredNorm();
+        add(1, momentum, momentum);
+        add(2, moved, moved);
+        const std::uint32_t mixed = static_cast<std::uint32_t>(i) * 2654435761u;
+        if (contacts && touched[i] > 0) add(3, 1 + (mixed >> 16) / 65536.0, 1);
       }
     }
     wanted = {{"earlier_iterate", next}, {"residual_partial", partial}};
@@ -84,7 +98,7 @@ struct Problem {
 TEST_P(ChebyshevStep, Formula) {
   for (const std::size_t size : awkward_sizes)
     for (const bool checked : {false, true}) {
-      const Problem problem(size, checked, 13, 0, 1e-3);
+      const Problem problem(size, checked, 13, 0, 1e-3, true, size % 2 == 1);
       expect_kernel<kernels::chebyshev_step::Args>(GetParam(), static_cast<std::uint32_t>(size), problem.in,
                                                    problem.wanted, limit);
     }
@@ -120,7 +134,7 @@ TEST_P(ChebyshevStep, NotANumberStaysWhereItIs) {
   const Values spoiled = run_kernel<kernels::chebyshev_step::Args>(device, 300, problem.in);
   expect_contained("earlier_iterate", clean.at("earlier_iterate"), spoiled.at("earlier_iterate"), 4, {150},
                    150);
-  expect_contained("residual_partial", clean.at("residual_partial"), spoiled.at("residual_partial"), 1, {1},
+  expect_contained("residual_partial", clean.at("residual_partial"), spoiled.at("residual_partial"), 4, {1},
                    1);
 }
 

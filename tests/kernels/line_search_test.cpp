@@ -40,9 +40,9 @@ struct ResidualProblem {
           {"energy", energy},
           {"solver", std::vector<double>(SOLVER_ENTRIES, 0.0)},
           {"residual", std::vector<double>(4 * (count + behind), sentinel)},
-          {"solve_partial", std::vector<double>(4 * (groups + behind), sentinel)}};
+          {"solve_partial", std::vector<double>(4 * (2 * groups + behind), sentinel)}};
     Expected r(in["residual"]), partial(in["solve_partial"]);
-    for (std::size_t k = 0; k < 4 * groups; ++k) partial.set(k, 0);
+    for (std::size_t k = 0; k < 8 * groups; ++k) partial.set(k, 0);
     const auto add = [&](std::size_t i, int k, double value, double size) {
       partial.value[i / group * 4 + std::size_t(k)] += value;
       partial.scale[i / group * 4 + std::size_t(k)] += size;
@@ -63,6 +63,10 @@ struct ResidualProblem {
       add(i, 0, value.squaredNorm() / (inertia + k), 2 * value.norm() * size.norm() / (inertia + k));
       add(i, 1, inertia / 2 * away.squaredNorm(), inertia * away.squaredNorm());
       add(i, 2, value.dot(moved), 2 * size.norm() * moved.norm());
+      const double momentum = (inertia * vector_at(target, i)).squaredNorm() / (inertia + k),
+                   way = (inertia + k) * vector_at(u, i).squaredNorm();
+      add(i + groups * group, 0, momentum, momentum);
+      add(i + groups * group, 1, way, way);
     }
     wanted = {{"residual", r}, {"solve_partial", partial}};
   }
@@ -121,6 +125,7 @@ struct Case {
   bool potential = true;
   std::uint32_t iteration = 11, restart = 0;
   double residual = 3, phi = 60, steep = 1;
+  double momentum = 1024, moved = 0; ///< what momentum alone would leave, sqrt(D) |u|
   Changes before = {}, after = {};
 };
 
@@ -135,24 +140,45 @@ void expect_case(const DeviceChoice& choice, const char* name, const Case& one) 
   if (evaluated) {
     wanted.set(SOLVER_CURRENT, one.residual, one.residual);
     wanted.set(SOLVER_COUNT, one.iteration == 0 ? 1 : solver[SOLVER_COUNT] + 1);
+    wanted.set(SOLVER_FLOOR, 0.0078125);
+    if (one.iteration == 0) wanted.set(SOLVER_SCALE, one.momentum, one.momentum);
   }
   for (const auto& [entry, value] : one.after)
     wanted.set(entry, value, std::isfinite(value) ? std::abs(value) : 0);
   // In two groups, so that sums are sums.
   const double half = one.residual * one.residual / 2;
-  expect_kernel<kernels::line_control::Args>(
-      choice, kernels::line_control::group_size,
-      {{"potential", {double(one.potential)}},
-       {"iteration", {double(one.iteration)}},
-       {"partial_count", {2}},
-       {"restart", {double(one.restart)}},
-       {"tolerance", {rounded(1e-3)}},
-       {"floor_residual", {0.0078125}},
-       {"noise", {rounded(1e-5)}},
-       {"solve_partial",
-        {half, one.phi - 8, one.steep, 0, half, 8, 0, 0, sentinel, sentinel, sentinel, sentinel}},
-       {"solver", solver}},
-      {{"solver", wanted}}, limit);
+  expect_kernel<kernels::line_control::Args>(choice, kernels::line_control::group_size,
+                                             {{"potential", {double(one.potential)}},
+                                              {"iteration", {double(one.iteration)}},
+                                              {"partial_count", {2}},
+                                              {"restart", {double(one.restart)}},
+                                              {"tolerance", {rounded(1e-3)}},
+                                              {"floor_residual", {0.0078125}},
+                                              {"rounding", {0.0009765625}},
+                                              {"noise", {rounded(1e-5)}},
+                                              {"solve_partial",
+                                               {half,
+                                                one.phi - 8,
+                                                one.steep,
+                                                0,
+                                                half,
+                                                8,
+                                                0,
+                                                0,
+                                                one.momentum * one.momentum,
+                                                0,
+                                                0,
+                                                0,
+                                                0,
+                                                one.moved * one.moved,
+                                                0,
+                                                0,
+                                                sentinel,
+                                                sentinel,
+                                                sentinel,
+                                                sentinel}},
+                                              {"solver", solver}},
+                                             {{"solver", wanted}}, limit);
 }
 
 Changes taken(double residual, double phi) {
@@ -245,29 +271,97 @@ TEST_P(LineSearch, FirstIterateAndAnotherProblem) {
                           {SOLVER_CUTS, 3},
                           {SOLVER_REASON, 1}},
                .after = with(fresh, {{SOLVER_REASON, 3}})});
-  expect_case(
-      on, "another set of contacts: a larger residual is the new first",
-      {.restart = 1, .residual = 512, .phi = 800, .after = with(taken(512, 800), {{SOLVER_FIRST, 512}})});
+  expect_case(on, "another set of contacts: a larger residual is the new first",
+              {.restart = 1,
+               .residual = 512,
+               .phi = 800,
+               .before = {{SOLVER_SCALE, 1024}},
+               .after = with(taken(512, 800), {{SOLVER_FIRST, 512}})});
+  expect_case(on, "but no larger than what momentum alone would leave",
+              {.restart = 1,
+               .residual = 512,
+               .phi = 800,
+               .before = {{SOLVER_SCALE, 256}},
+               .after = with(taken(512, 800), {{SOLVER_FIRST, 256}})});
   expect_case(on, "a smaller one leaves the first as it was",
               {.restart = 1, .residual = 4, .phi = 800, .after = taken(4, 800)});
 }
 
+// What momentum predicts may be absurd: standing still is evaluated next, and the smaller of both is the
+// start.
+TEST_P(LineSearch, SecondGuess) {
+  const DeviceChoice& on = GetParam();
+  const Changes fresh{{SOLVER_FIRST, 512},  {SOLVER_BEST, 512}, {SOLVER_RESTARTS, 0}, {SOLVER_ITERATIONS, 0},
+                      {SOLVER_CAUTIOUS, 0}, {SOLVER_TRIAL, 1},  {SOLVER_LINEAR, 0},   {SOLVER_STOP, 0},
+                      {SOLVER_RETURN, 0},   {SOLVER_ACTION, 4}};
+  expect_case(on, "an absurd prediction: standing still is tried",
+              {.iteration = 0, .residual = 512, .momentum = 128, .moved = 2, .after = fresh});
+  const Changes begun = with(taken(512, 60), {{SOLVER_FIRST, 512},
+                                              {SOLVER_RESTARTS, 0},
+                                              {SOLVER_ITERATIONS, 0},
+                                              {SOLVER_CAUTIOUS, 0},
+                                              {SOLVER_TRIAL, 0},
+                                              {SOLVER_CUTS, 0}});
+  expect_case(on, "up to twice of what momentum leaves is no absurdity",
+              {.iteration = 0, .residual = 512, .momentum = 256, .moved = 2, .after = begun});
+  expect_case(on, "the prediction is to stand still",
+              {.iteration = 0, .residual = 512, .momentum = 128, .moved = 0, .after = begun});
+  const Changes tried{{SOLVER_TRIAL, 1}, {SOLVER_BEST, 512}, {SOLVER_FIRST, 512}};
+  expect_case(on, "which is better",
+              {.iteration = 1,
+               .residual = 64,
+               .before = tried,
+               .after = with(taken(64, 60), {{SOLVER_TRIAL, 0}, {SOLVER_FIRST, 64}, {SOLVER_RETURN, 0}})});
+  expect_case(on, "which is worse: the prediction is evaluated again",
+              {.iteration = 1,
+               .residual = 640,
+               .before = tried,
+               .after = {{SOLVER_TRIAL, 0}, {SOLVER_RETURN, 1}, {SOLVER_ACTION, 3}}});
+}
+
+TEST_P(LineSearch, NearTheFloor) {
+  const DeviceChoice& on = GetParam();
+  const Changes near{{SOLVER_BEST, 0.125}, {SOLVER_FIRST, 0.25}};
+  expect_case(on, "a change of Phi within what rounded positions store does not count, the residual does",
+              {.residual = 0.0625,
+               .phi = 64.00201416015625,
+               .steep = -7,
+               .before = with(near, {{SOLVER_FIRST, 16}}),
+               .after = taken(0.0625, 64.00201416015625)});
+  expect_case(on, "nothing lowers the residual any more: that is the floor",
+              {.residual = 0.1171875,
+               .phi = 64,
+               .steep = 8,
+               .before = near,
+               .after = {{SOLVER_STOP, 1}, {SOLVER_REASON, 2}}});
+  expect_case(on, "displacements are rounded too",
+              {.residual = 0.5,
+               .moved = 1024,
+               .after = with(taken(0.5, 60),
+                             {{SOLVER_FLOOR, 1}, {SOLVER_STOP, 1}, {SOLVER_LINEAR, 0}, {SOLVER_REASON, 2}})});
+}
+
 TEST_P(LineSearch, Apply) {
   for (const std::size_t count : awkward_sizes)
-    for (const int action : {0, 1, 2, 3}) {
+    for (const int action : {0, 1, 2, 3, 4}) {
       Random random(kernel_seed + 41);
       const std::vector<double> u = random_groups(random, count, 0.01),
                                 best = random_groups(random, count, 0.01);
+      std::vector<double> target(4 * count);
+      for (std::size_t i = 0; i < count; ++i) target[4 * i + 3] = i % 5 == 3 ? -1 : 2;
       std::vector<double> solver(SOLVER_ENTRIES, not_a_number);
       solver[SOLVER_ACTION] = action;
       solver[SOLVER_FACTOR] = 0.375;
-      const Values in{
-          {"solver", solver}, {"displacement", guarded(u, 4)}, {"best_iterate", guarded(best, 4)}};
+      const Values in{{"solver", solver},
+                      {"displacement", guarded(u, 4)},
+                      {"best_iterate", guarded(best, 4)},
+                      {"inertia_target", target}};
       Expected moved(in.at("displacement")), kept(in.at("best_iterate"));
       for (std::size_t k = 0; k < 4 * count; ++k) {
         if (action == 1) kept.set(k, u[k]);
         if (action == 2) moved.set(k, best[k] + 0.375 * (u[k] - best[k]), std::abs(best[k]) + std::abs(u[k]));
         if (action == 3) moved.set(k, best[k]);
+        if (action == 4 && k / 4 % 5 != 3) moved.set(k, 0);
       }
       expect_kernel<kernels::line_apply::Args>(GetParam(), static_cast<std::uint32_t>(count), in,
                                                {{"displacement", moved}, {"best_iterate", kept}}, limit);

@@ -3,8 +3,6 @@
 #include "shaders/common/solver.glsl"
 #include "tests/support/kernel_bonds.h"
 
-#include <numeric>
-
 namespace pliant::test {
 namespace {
 
@@ -17,6 +15,8 @@ using Changes = std::map<std::size_t, double>; ///< entry of `solver` to value
 struct Case {
   std::uint32_t iteration = 16, restart = 0;
   double residual = 1;
+  double momentum = 1024, moved = 0, mark = 0; ///< what momentum alone would leave, sqrt(D) |u|, contacts
+  std::uint32_t second_guess = 1;
   Changes before = {}, after = {};
 };
 
@@ -49,9 +49,15 @@ void expect_case(const DeviceChoice& choice, const char* name, const Case& one) 
             {"gamma", {0.875}},
             {"tolerance", {rounded(1e-3)}},
             {"floor_residual", {rounded(1e-2)}},
-            {"residual_partial", {one.residual * one.residual, sentinel}},
+            {"rounding", {0.0009765625}},
+            {"second_guess", {double(one.second_guess)}},
+            {"residual_partial",
+             {one.residual * one.residual, one.momentum * one.momentum, one.moved * one.moved, one.mark,
+              sentinel, sentinel, sentinel, sentinel}},
             {"solver", solver}};
   Expected wanted(solver);
+  if (one.iteration == 0 || solver[SOLVER_STOP] == 0) wanted.set(SOLVER_FLOOR, rounded(1e-2), 1e-2);
+  if (one.iteration == 0) wanted.set(SOLVER_SCALE, one.momentum, one.momentum);
   for (const auto& [entry, value] : one.after)
     wanted.set(entry, value, std::abs(value) > 0 ? std::abs(value) : 0);
   expect_kernel<kernels::residual_control::Args>(choice, kernels::residual_control::group_size, in,
@@ -61,10 +67,12 @@ void expect_case(const DeviceChoice& choice, const char* name, const Case& one) 
 TEST_P(ResidualControl, Sums) {
   Random random(kernel_seed + 21);
   for (const std::size_t count : {1, 15, 127, 256, 257, 1000}) {
-    std::vector<double> partial(count), solver(SOLVER_ENTRIES, sentinel);
+    std::vector<double> partial(4 * count), solver(SOLVER_ENTRIES, sentinel);
     for (double& value : partial) value = std::abs(random(3));
-    const double e = std::sqrt(std::accumulate(partial.begin(), partial.end(), 0.0));
-    partial.push_back(sentinel);
+    double sums[4] = {};
+    for (std::size_t p = 0; p < partial.size(); ++p) sums[p % 4] += partial[p];
+    const double e = std::sqrt(sums[0]), scale = std::sqrt(sums[1]), moved = std::sqrt(sums[2]);
+    partial.resize(partial.size() + 4, sentinel);
     Expected wanted(solver);
     for (const std::size_t entry : {SOLVER_STOP, SOLVER_RESTARTS, SOLVER_ITERATIONS, SOLVER_START})
       wanted.set(entry, 0);
@@ -75,6 +83,10 @@ TEST_P(ResidualControl, Sums) {
     wanted.set(SOLVER_GAMMA, 0.875);
     wanted.set(SOLVER_DELAY, 9);
     wanted.set(SOLVER_ACCELERATE, 1);
+    wanted.set(SOLVER_SCALE, scale, scale);
+    wanted.set(SOLVER_FLOOR, 0.0009765625 * moved, 0.0009765625 * moved);
+    wanted.set(SOLVER_TOUCHED, sums[3], sums[3]);
+    wanted.set(SOLVER_TRIAL, 0);
     expect_kernel<kernels::residual_control::Args>(GetParam(), kernels::residual_control::group_size,
                                                    {{"iteration", {0}},
                                                     {"partial_count", {double(count)}},
@@ -85,6 +97,8 @@ TEST_P(ResidualControl, Sums) {
                                                     {"gamma", {0.875}},
                                                     {"tolerance", {rounded(1e-3)}},
                                                     {"floor_residual", {0}},
+                                                    {"rounding", {0.0009765625}},
+                                                    {"second_guess", {0}},
                                                     {"residual_partial", partial},
                                                     {"solver", solver}},
                                                    {{"solver", wanted}}, limit);
@@ -155,9 +169,20 @@ TEST_P(ResidualControl, AnotherSetOfContacts) {
   expect_case(GetParam(), "a larger residual is the new best, and the new first",
               {.restart = 1,
                .residual = 512,
+               .before = {{SOLVER_SCALE, 1024}},
                .after = {{SOLVER_ACTION, 1},
                          {SOLVER_BEST, 512},
                          {SOLVER_FIRST, 512},
+                         {SOLVER_CURRENT, 512},
+                         {SOLVER_ITERATIONS, 16},
+                         {SOLVER_START, 16}}});
+  expect_case(GetParam(), "but no larger than what momentum alone would leave",
+              {.restart = 1,
+               .residual = 512,
+               .before = {{SOLVER_SCALE, 256}},
+               .after = {{SOLVER_ACTION, 1},
+                         {SOLVER_BEST, 512},
+                         {SOLVER_FIRST, 256},
                          {SOLVER_CURRENT, 512},
                          {SOLVER_ITERATIONS, 16},
                          {SOLVER_START, 16}}});
@@ -177,6 +202,72 @@ TEST_P(ResidualControl, AnotherSetOfContacts) {
                          {SOLVER_RESTARTS, 1},
                          {SOLVER_START, 17},
                          {SOLVER_ONE_MINUS_RHO, 0.25}}});
+}
+
+// What momentum predicts may be absurd: standing still is evaluated next, and the smaller of both is the
+// start.
+TEST_P(ResidualControl, SecondGuess) {
+  const Changes fresh{{SOLVER_RESTARTS, 0}, {SOLVER_DELAY, 7},      {SOLVER_GAMMA, 0.875},
+                      {SOLVER_FIRST, 512},  {SOLVER_BEST, 512},     {SOLVER_CURRENT, 512},
+                      {SOLVER_TRIAL, 1},    {SOLVER_ACTION, 3},     {SOLVER_START, 1},
+                      {SOLVER_TOUCHED, 3},  {SOLVER_ITERATIONS, 0}, {SOLVER_ONE_MINUS_RHO, 0.03125}};
+  const Case absurd{.iteration = 0, .restart = 1, .residual = 512, .momentum = 128, .moved = 4, .mark = 3};
+  Case one = absurd;
+  one.after = fresh;
+  expect_case(GetParam(), "an absurd prediction: standing still is tried", one);
+  Changes kept = fresh;
+  kept[SOLVER_TRIAL] = kept[SOLVER_START] = 0;
+  kept[SOLVER_ACTION] = 1;
+  one = absurd, one.after = kept, one.second_guess = 0;
+  expect_case(GetParam(), "unless there is no other guess", one);
+  one = absurd, one.after = kept, one.momentum = 256;
+  expect_case(GetParam(), "up to twice of what momentum leaves is no absurdity", one);
+  one = absurd, one.after = kept, one.moved = 0;
+  expect_case(GetParam(), "the prediction is to stand still", one);
+  const Changes tried{{SOLVER_TRIAL, 1}, {SOLVER_BEST, 512}, {SOLVER_FIRST, 512}, {SOLVER_START, 1}};
+  expect_case(GetParam(), "which is better",
+              {.iteration = 1,
+               .residual = 64,
+               .before = tried,
+               .after = {{SOLVER_TRIAL, 0},
+                         {SOLVER_ACTION, 1},
+                         {SOLVER_FIRST, 64},
+                         {SOLVER_BEST, 64},
+                         {SOLVER_CURRENT, 64},
+                         {SOLVER_ITERATIONS, 1}}});
+  expect_case(GetParam(), "which is worse: back to the prediction",
+              {.iteration = 1,
+               .residual = 640,
+               .before = tried,
+               .after = {{SOLVER_TRIAL, 0}, {SOLVER_ACTION, 2}, {SOLVER_CURRENT, 640}, {SOLVER_START, 2}}});
+}
+
+TEST_P(ResidualControl, ContactsThatComeAndGo) {
+  expect_case(GetParam(), "another set acts: the acceleration starts anew",
+              {.residual = 0.5,
+               .mark = 3,
+               .after = {{SOLVER_ACTION, 1},
+                         {SOLVER_BEST, 0.5},
+                         {SOLVER_CURRENT, 0.5},
+                         {SOLVER_ITERATIONS, 16},
+                         {SOLVER_TOUCHED, 3},
+                         {SOLVER_START, 17}}});
+  expect_case(
+      GetParam(), "the same set",
+      {.residual = 2.5, .mark = 3, .before = {{SOLVER_TOUCHED, 3}}, .after = {{SOLVER_CURRENT, 2.5}}});
+}
+
+TEST_P(ResidualControl, FloorOfALongWay) {
+  expect_case(GetParam(), "displacements are rounded too",
+              {.residual = 0.5,
+               .moved = 1024,
+               .after = {{SOLVER_ACTION, 1},
+                         {SOLVER_BEST, 0.5},
+                         {SOLVER_CURRENT, 0.5},
+                         {SOLVER_ITERATIONS, 16},
+                         {SOLVER_FLOOR, 1},
+                         {SOLVER_STOP, 1},
+                         {SOLVER_REASON, 2}}});
 }
 
 TEST_P(ResidualControl, FirstIteration) {
@@ -220,12 +311,14 @@ TEST_P(ResidualControl, FirstResidualIsNotANumber) {
             {"gamma", {0.875}},
             {"tolerance", {rounded(1e-3)}},
             {"floor_residual", {rounded(1e-6)}},
-            {"residual_partial", {not_a_number}},
+            {"rounding", {0}},
+            {"second_guess", {0}},
+            {"residual_partial", {not_a_number, 0, 0, 0}},
             {"solver", under_way()}};
   const auto next = [&](std::uint32_t iteration, double residual) {
     in["iteration"] = {double(iteration)};
     in["restart"] = {0};
-    in["residual_partial"] = {residual * residual};
+    in["residual_partial"] = {residual * residual, 0, 0, 0};
     in["solver"] =
         run_kernel<kernels::residual_control::Args>(device, kernels::residual_control::group_size, in)
             .at("solver");

@@ -37,7 +37,7 @@ TEST_P(StatisticsTotal, Formula) {
     scale[7] = total[7];
     Expected row(in["statistics"]);
     for (std::size_t k = 0; k < 8; ++k) row.set(32 + k, total[k], scale[k]);
-    constexpr std::size_t entries[] = {SOLVER_FIRST,         SOLVER_BEST,     SOLVER_CURRENT,
+    constexpr std::size_t entries[] = {SOLVER_FIRST,         SOLVER_BEST,     SOLVER_FLOOR,
                                        SOLVER_ITERATIONS,    SOLVER_RESTARTS, SOLVER_REASON,
                                        SOLVER_ONE_MINUS_RHO, SOLVER_GAMMA};
     for (std::size_t k = 0; k < 8; ++k) row.set(40 + k, in["solver"][entries[k]]);

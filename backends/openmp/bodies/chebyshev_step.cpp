@@ -30,7 +30,8 @@ template <class real> void chebyshev_step(const kernels::chebyshev_step::View<re
   const Quad<real> no_w{1, 1, 1, 0};
 #pragma omp parallel for schedule(static)
   for (uint block = 0; block < (k.threads + group - 1) / group; ++block) {
-    Quad<real> sum{};
+    Quad<real> error{}, momentum{}, moved{};
+    real mark = 0;
     for (uint i = group * block; i < smaller(group * (block + 1), k.threads); ++i) {
       const Quad<real> target = load_quad(k.inertia_target[i]), f = load_quad(k.force[i]);
       const Quad<real> u = load_quad(k.displacement[i]), u_earlier = load_quad(k.earlier_iterate[i]);
@@ -43,10 +44,18 @@ template <class real> void chebyshev_step(const kernels::chebyshev_step::View<re
       const Quad<real> r = (inertia * (target - u) + f) * no_w;
       Quad<real> u_next = omega * ((gamma * inverse_diagonal) * r + (u - u_earlier)) + u_earlier;
       if (k.position) u_next = f[3] > 0 ? u + f / f[3] : target;
-      sum += inverse_diagonal * (r * r);
+      if (k.checked) {
+        const Quad<real> impulse = inertia * target * no_w;
+        error += inverse_diagonal * (r * r);
+        momentum += inverse_diagonal * (impulse * impulse);
+        moved += (inertia + f[3]) * (u * u);
+        if (k.contacts && k.touched[i]) mark += 1 + static_cast<real>((i * 2654435761u) >> 16) / 65536;
+      }
       store_quad(k.earlier_iterate[i], u_next * no_w);
     }
-    if (k.checked) k.residual_partial[block] = sum[0] + sum[1] + sum[2];
+    if (k.checked)
+      k.residual_partial[block] = {error[0] + error[1] + error[2], momentum[0] + momentum[1] + momentum[2],
+                                   moved[0] + moved[1] + moved[2], mark};
   }
 }
 

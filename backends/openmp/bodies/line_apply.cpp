@@ -16,6 +16,10 @@ template <class real> void line_apply(const kernels::line_apply::View<real>& k) 
       k.best_iterate[i] = k.displacement[i];
       continue;
     }
+    if (action == 4) {
+      if (!(k.inertia_target[i].w < 0)) k.displacement[i] = {0, 0, 0, 0};
+      continue;
+    }
     const Quad<real> best = load_quad(k.best_iterate[i]), u = load_quad(k.displacement[i]);
     store_quad(k.displacement[i], action == 2 ? best + factor * (u - best) : best);
   }

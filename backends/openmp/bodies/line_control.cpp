@@ -8,15 +8,19 @@ namespace pliant::openmp::PLIANT_ISA {
 
 template <class real> void line_control(const kernels::line_control::View<real>& k) {
   Real4<real> sums{0, 0, 0, 0};
+  real impulse = 0, displaced = 0;
   for (uint p = 0; p < k.partial_count; ++p) {
     const auto part = k.solve_partial[p];
     sums = {sums.x + part.x, sums.y + part.y, sums.z + part.z, sums.w + part.w};
+    impulse += k.solve_partial[k.partial_count + p].x;
+    displaced += k.solve_partial[k.partial_count + p].y;
   }
   real* const solver = k.solver;
   solver[SOLVER_TAKEN] = 0;
   solver[SOLVER_ACTION] = 0;
   if (k.iteration > 0 && solver[SOLVER_STOP] > 0) return; // done, or nothing was evaluated
-  const real e = root(sums.x), phi = sums.y;
+  const real e = root(sums.x), phi = sums.y, moved = root(displaced);
+  const real low = moved < real(1e30) ? larger(k.floor_residual, k.rounding * moved) : k.floor_residual;
   const bool finite = __builtin_isfinite(e) && __builtin_isfinite(phi);
   if (k.iteration == 0) {
     solver[SOLVER_COUNT] = 0;
@@ -25,22 +29,50 @@ template <class real> void line_control(const kernels::line_control::View<real>&
     solver[SOLVER_REASON] = 3;
     solver[SOLVER_CAUTIOUS] = 0;
     solver[SOLVER_RETURN] = 0;
+    solver[SOLVER_SCALE] = root(impulse);
+    solver[SOLVER_TRIAL] = 0;
   }
   solver[SOLVER_COUNT] += 1;
   solver[SOLVER_CURRENT] = e;
+  solver[SOLVER_FLOOR] = low;
+  const bool good = e <= low || e <= 2 * solver[SOLVER_SCALE];
+  if (k.iteration == 0 && moved > 0 && !good) {
+    solver[SOLVER_TRIAL] = 1;
+    solver[SOLVER_BEST] = finite ? e : real(3e38);
+    solver[SOLVER_ITERATIONS] = 0;
+    solver[SOLVER_STOP] = 0;
+    solver[SOLVER_LINEAR] = 0;
+    solver[SOLVER_ACTION] = 4;
+    return;
+  }
+  if (solver[SOLVER_TRIAL] > 0) {
+    solver[SOLVER_TRIAL] = 0;
+    solver[SOLVER_RETURN] = 1; // the next one evaluated, or this one, is taken
+    if (!(e < solver[SOLVER_BEST])) {
+      solver[SOLVER_ACTION] = 3;
+      return;
+    }
+    solver[SOLVER_FIRST] = e;
+  }
   const real length = solver[SOLVER_LENGTH], slope = solver[SOLVER_SLOPE], steep = sums.z / length;
   bool taken = k.iteration == 0 || k.restart || solver[SOLVER_RETURN] > 0;
+  const bool near_floor = solver[SOLVER_BEST] <= 32 * low;
+  bool blind = false; // the precision cannot tell what the step did
   if (!taken && finite) {
     const real before = solver[SOLVER_POTENTIAL], change = phi - before;
-    if (k.potential && magnitude(change) > k.noise * (magnitude(phi) + magnitude(before)))
+    const real least = k.noise * (magnitude(phi) + magnitude(before)) + 64 * low * low;
+    blind = !k.potential || !(magnitude(change) > least);
+    if (!blind)
       taken = change <= real(-1e-4) * length * slope;
     else
-      taken = steep >= real(-0.8) * slope || e < (1 - length / 4) * solver[SOLVER_BEST];
+      taken = (steep >= real(-0.8) * slope && !near_floor) || e < (1 - length / 4) * solver[SOLVER_BEST];
   }
   if (taken) {
-    if (k.restart && finite) solver[SOLVER_FIRST] = larger(e, solver[SOLVER_FIRST]);
+    // What momentum alone would leave is the most that a tolerance should be measured against.
+    const real most = smaller(e, solver[SOLVER_SCALE]);
+    if (k.restart && finite && k.iteration > 0) solver[SOLVER_FIRST] = larger(most, solver[SOLVER_FIRST]);
     if (!__builtin_isfinite(solver[SOLVER_FIRST])) solver[SOLVER_FIRST] = e;
-    const bool enough = finite && (e <= k.floor_residual || e <= k.tolerance * solver[SOLVER_FIRST]);
+    const bool enough = finite && (e <= low || e <= k.tolerance * solver[SOLVER_FIRST]);
     solver[SOLVER_TAKEN] = 1;
     solver[SOLVER_ACTION] = 1;
     solver[SOLVER_BEST] = finite ? e : real(3e38);
@@ -50,9 +82,14 @@ template <class real> void line_control(const kernels::line_control::View<real>&
     if (solver[SOLVER_RETURN] == 0) solver[SOLVER_CAUTIOUS] = 0;
     solver[SOLVER_RETURN] = 0;
     solver[SOLVER_INNER] = 0;
-    if (enough) solver[SOLVER_REASON] = e <= k.floor_residual ? real(2) : real(1);
+    if (enough) solver[SOLVER_REASON] = e <= low ? real(2) : real(1);
     solver[SOLVER_STOP] = enough ? real(1) : real(0.5);
     solver[SOLVER_LINEAR] = enough ? real(0) : real(1);
+    return;
+  }
+  if (blind && near_floor) { // no step lowers the residual any more
+    solver[SOLVER_STOP] = 1;
+    solver[SOLVER_REASON] = 2;
     return;
   }
   solver[SOLVER_CUTS] += 1;

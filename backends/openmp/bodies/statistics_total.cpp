@@ -29,7 +29,7 @@ template <class real> void statistics_total(const kernels::statistics_total::Vie
   row[7] = root(shift2);
   row[8] = k.solver[SOLVER_FIRST];
   row[9] = k.solver[SOLVER_BEST];
-  row[10] = k.solver[SOLVER_CURRENT];
+  row[10] = k.solver[SOLVER_FLOOR];
   row[11] = k.solver[SOLVER_ITERATIONS];
   row[12] = k.solver[SOLVER_RESTARTS];
   row[13] = k.solver[SOLVER_REASON];
