@@ -39,23 +39,24 @@ void main() {
   solver[SOLVER_CG_STEP] = rz / found;
   solver[SOLVER_SLOPE] += solver[SOLVER_CG_STEP] * rz; // r_first . p = r . z along conjugate directions
   solver[SOLVER_INNER] += 1.0;
-  bool end = last != 0u || solver[SOLVER_CAUTIOUS] > 0.0;
+  bool end = solver[SOLVER_COUNT] >= float(cap) || solver[SOLVER_CAUTIOUS] > 0.0;
   solver[SOLVER_ACTION] = end ? 2.0 : 1.0;
   if (end) complete();
 #else
   float keep = 0.0;
   if (solver[SOLVER_INNER] == 0.0) {
-    if (!(found > 0.0) || isinf(found)) { // the residual is zero, or no number
+    bool exhausted = solver[SOLVER_COUNT] >= float(cap);
+    if (exhausted || !(found > 0.0) || isinf(found)) { // or the residual is zero, or no number
       solver[SOLVER_LINEAR] = 0.0;
       solver[SOLVER_STOP] = 1.0;
-      solver[SOLVER_REASON] = 4.0;
+      solver[SOLVER_REASON] = exhausted ? 3.0 : 4.0;
       return;
     }
     float forcing = min(0.1, sqrt(solver[SOLVER_BEST] / solver[SOLVER_FIRST]));
     solver[SOLVER_RZ_ENOUGH] = forcing * forcing * found;
     solver[SOLVER_SLOPE] = 0.0;
   } else {
-    if (!(found > solver[SOLVER_RZ_ENOUGH]) || last != 0u) {
+    if (!(found > solver[SOLVER_RZ_ENOUGH]) || solver[SOLVER_COUNT] >= float(cap)) {
       solver[SOLVER_ACTION] = 2.0;
       complete();
       return;

@@ -43,7 +43,7 @@ void main() {
   solver[SOLVER_COUNT] += 1.0;
   solver[SOLVER_CURRENT] = e;
   solver[SOLVER_FLOOR] = low;
-  if (iteration == 0 && moved > 0.0 && !(e <= low) && !(e <= 2.0 * solver[SOLVER_SCALE])) {
+  if (iteration == 0 && moved > 0.0 && !(e <= low) && !(e <= 10.0 * solver[SOLVER_SCALE])) {
     solver[SOLVER_TRIAL] = 1.0;
     solver[SOLVER_BEST] = finite ? e : 3e38;
     solver[SOLVER_ITERATIONS] = 0.0;
@@ -55,7 +55,7 @@ void main() {
   if (solver[SOLVER_TRIAL] > 0.0) {
     solver[SOLVER_TRIAL] = 0.0;
     solver[SOLVER_RETURN] = 1.0; // the next one evaluated, or this one, is taken
-    if (!(e < solver[SOLVER_BEST])) {
+    if (!(e < 0.1 * solver[SOLVER_BEST])) {
       solver[SOLVER_ACTION] = 3.0;
       return;
     }
@@ -63,7 +63,7 @@ void main() {
   }
   bool taken = iteration == 0 || restart != 0u || solver[SOLVER_RETURN] > 0.0;
   float steep = sums.z / solver[SOLVER_LENGTH], slope = solver[SOLVER_SLOPE];
-  bool near_floor = solver[SOLVER_BEST] <= 32.0 * low;
+  bool near_floor = potential != 0 && solver[SOLVER_BEST] <= 32.0 * low;
   bool blind = false; // the precision cannot tell what the step did
   if (!taken && finite) {
     float change = sums.y - solver[SOLVER_POTENTIAL];
@@ -102,7 +102,9 @@ void main() {
   }
   solver[SOLVER_CUTS] += 1.0;
   solver[SOLVER_RESTARTS] += 1.0;
-  if (solver[SOLVER_CUTS] <= 12.0) {
+  if (solver[SOLVER_COUNT] > float(cap)) {
+    solver[SOLVER_STOP] = 1.0;
+  } else if (solver[SOLVER_CUTS] <= 12.0) {
     float root = finite && slope > steep ? slope / (slope - steep) : 0.5;
     float factor = clamp(root, 0.1, 0.5);
     solver[SOLVER_FACTOR] = factor;

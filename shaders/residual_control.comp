@@ -40,7 +40,7 @@ void main() {
   solver[SOLVER_CURRENT] = e;
   solver[SOLVER_FLOOR] = low;
   solver[SOLVER_ACTION] = 0.0;
-  if (iteration == 0 && second_guess != 0u && moved > 0.0 && !(e <= low) && !(e <= 2.0 * solver[SOLVER_SCALE])) {
+  if (iteration == 0 && second_guess != 0u && moved > 0.0 && !(e <= low) && !(e <= 10.0 * solver[SOLVER_SCALE])) {
     solver[SOLVER_TRIAL] = 1.0;
     solver[SOLVER_ACTION] = 3.0;
     solver[SOLVER_START] = 1.0;
@@ -48,7 +48,7 @@ void main() {
   }
   if (solver[SOLVER_TRIAL] > 0.0) {
     solver[SOLVER_TRIAL] = 0.0;
-    if (!(e < solver[SOLVER_BEST])) {
+    if (!(e < 0.1 * solver[SOLVER_BEST])) {
       solver[SOLVER_ACTION] = 2.0;
       solver[SOLVER_START] = float(iteration + 1);
       return;

@@ -45,6 +45,7 @@ void LineSearch::judge(unsigned k, bool restart) {
       .potential = context_.plan.method.potential,
       .iteration = k,
       .partial_count = static_cast<std::uint32_t>(s.solve_partial.count() / 2),
+      .cap = bounds_.cap,
       .restart = restart,
       .tolerance = settings.fixed_iterations ? 0 : settings.tolerance,
       .floor_residual = settings.fixed_iterations ? 0 : bounds_.floor,

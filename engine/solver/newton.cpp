@@ -29,7 +29,7 @@ void Newton::apply(unsigned k, bool, bool restart) {
   context_.elasticity.tangent(s.best_iterate);
   preconditioner_->refresh();
   preconditioner_->apply();
-  control(false, k >= bounds_.cap);
+  control(false);
   device.run(kernels::conjugate_direction::Args{.threads = n,
                                                 .solver = s.solver,
                                                 .preconditioned = s.preconditioned,
@@ -49,7 +49,7 @@ void Newton::apply(unsigned k, bool, bool restart) {
                                     .solver = s.solver,
                                     .force = s.force,
                                     .solve_partial = s.solve_partial});
-  control(true, k + 1 >= bounds_.cap);
+  control(true);
   device.run(kernels::conjugate_update::Args{.threads = n,
                                              .solver = s.solver,
                                              .direction = s.direction,
@@ -60,14 +60,14 @@ void Newton::apply(unsigned k, bool, bool restart) {
                                              .displacement = s.displacement});
 }
 
-void Newton::control(bool after, bool last) {
+void Newton::control(bool after) {
   SimulationState& s = context_.state;
   context_.device.enter("solver");
   context_.device.run(kernels::conjugate_control::Args{
       .threads = kernels::conjugate_control::group_size,
       .after = after,
       .partial_count = static_cast<std::uint32_t>(s.solve_partial.count() / 2),
-      .last = last,
+      .cap = bounds_.cap,
       .solve_partial = s.solve_partial,
       .solver = s.solver});
 }

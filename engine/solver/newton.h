@@ -17,7 +17,7 @@ public:
   unsigned check_every() const override { return 4; }
 
 private:
-  void control(bool after, bool last);
+  void control(bool after);
 
   LineSearch line_;
   std::unique_ptr<Preconditioner> preconditioner_;

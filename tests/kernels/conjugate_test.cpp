@@ -32,7 +32,7 @@ std::vector<double> under_way() {
 }
 
 void expect_case(const DeviceChoice& choice, const char* name, bool after, double found,
-                 const Changes& before, const Changes& changes, bool last = false) {
+                 const Changes& before, const Changes& changes, double cap = 50) {
   SCOPED_TRACE(name);
   std::vector<double> solver = under_way();
   for (const auto& [entry, value] : before) solver[entry] = value;
@@ -44,7 +44,7 @@ void expect_case(const DeviceChoice& choice, const char* name, bool after, doubl
       choice, kernels::conjugate_control::group_size,
       {{"after", {double(after)}},
        {"partial_count", {2}},
-       {"last", {double(last)}},
+       {"cap", {cap}},
        {"solve_partial", {found - 1, 5, 5, 5, 1, 5, 5, 5, sentinel, 0, 0, 0}},
        {"solver", solver}},
       {{"solver", wanted}}, limit);
@@ -60,7 +60,7 @@ TEST_P(Conjugate, BeforeTheProduct) {
   const DeviceChoice& on = GetParam();
   expect_case(on, "goes on", false, 4, {}, {{SOLVER_ACTION, 1}, {SOLVER_CG_KEEP, 0.25}, {SOLVER_RZ, 4}});
   expect_case(on, "enough", false, 0.5, {}, complete);
-  expect_case(on, "no iteration is left", false, 4, {}, complete, true);
+  expect_case(on, "no iteration is left", false, 4, {}, complete, 10);
   expect_case(on, "not a number ends them", false, not_a_number, {}, complete);
   const Changes first{{SOLVER_INNER, 0}};
   const Changes begun{{SOLVER_ACTION, 1}, {SOLVER_CG_KEEP, 0}, {SOLVER_RZ, 8}, {SOLVER_SLOPE, 0}};
@@ -70,6 +70,8 @@ TEST_P(Conjugate, BeforeTheProduct) {
   const Changes over{{SOLVER_LINEAR, 0}, {SOLVER_STOP, 1}, {SOLVER_REASON, 4}};
   for (const double nothing : {0.0, -1.0, not_a_number, anything})
     expect_case(on, "nothing to descend", false, nothing, first, over);
+  expect_case(on, "first, and no product is left", false, 8, first,
+              {{SOLVER_LINEAR, 0}, {SOLVER_STOP, 1}, {SOLVER_REASON, 3}}, 10);
   expect_case(on, "no direction is wanted", false, 4, {{SOLVER_LINEAR, 0}, {SOLVER_ACTION, 1}}, {});
 }
 
@@ -77,7 +79,7 @@ TEST_P(Conjugate, AfterTheProduct) {
   const DeviceChoice& on = GetParam();
   const Changes step{{SOLVER_ACTION, 1}, {SOLVER_CG_STEP, 0.5}, {SOLVER_SLOPE, 13}, {SOLVER_INNER, 3}};
   expect_case(on, "a step", true, 32, {}, step);
-  expect_case(on, "the last one", true, 32, {}, with(step, complete), true);
+  expect_case(on, "the last one", true, 32, {}, with(step, complete), 11);
   expect_case(on, "one alone, where caution is due", true, 32, {{SOLVER_CAUTIOUS, 1}}, with(step, complete));
   for (const double found : {0.0, -3.0, not_a_number, anything}) {
     expect_case(on, "no positive curvature: what there is", true, found, {},

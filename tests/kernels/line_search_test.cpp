@@ -125,6 +125,7 @@ struct Case {
   bool potential = true;
   std::uint32_t iteration = 11, restart = 0;
   double residual = 3, phi = 60, steep = 1;
+  double cap = 50;
   double momentum = 1024, moved = 0; ///< what momentum alone would leave, sqrt(D) |u|
   Changes before = {}, after = {};
 };
@@ -151,6 +152,7 @@ void expect_case(const DeviceChoice& choice, const char* name, const Case& one) 
                                              {{"potential", {double(one.potential)}},
                                               {"iteration", {double(one.iteration)}},
                                               {"partial_count", {2}},
+                                              {"cap", {one.cap}},
                                               {"restart", {double(one.restart)}},
                                               {"tolerance", {rounded(1e-3)}},
                                               {"floor_residual", {0.0078125}},
@@ -249,6 +251,8 @@ TEST_P(LineSearch, CautionAndTheEnd) {
   expect_case(on, "a step that falls ends the caution",
               {.before = {{SOLVER_CAUTIOUS, 1}, {SOLVER_CUTS, 2}},
                .after = with(taken(3, 60), {{SOLVER_CUTS, 0}, {SOLVER_CAUTIOUS, 0}})});
+  expect_case(on, "no evaluation is left for a shorter step",
+              {.phi = 80, .cap = 10, .after = {{SOLVER_CUTS, 1}, {SOLVER_RESTARTS, 1}, {SOLVER_STOP, 1}}});
   expect_case(on, "no descent is left",
               {.phi = 80,
                .before = with(late, {{SOLVER_CAUTIOUS, 1}}),
@@ -295,26 +299,26 @@ TEST_P(LineSearch, SecondGuess) {
                       {SOLVER_CAUTIOUS, 0}, {SOLVER_TRIAL, 1},  {SOLVER_LINEAR, 0},   {SOLVER_STOP, 0},
                       {SOLVER_RETURN, 0},   {SOLVER_ACTION, 4}};
   expect_case(on, "an absurd prediction: standing still is tried",
-              {.iteration = 0, .residual = 512, .momentum = 128, .moved = 2, .after = fresh});
+              {.iteration = 0, .residual = 512, .momentum = 32, .moved = 2, .after = fresh});
   const Changes begun = with(taken(512, 60), {{SOLVER_FIRST, 512},
                                               {SOLVER_RESTARTS, 0},
                                               {SOLVER_ITERATIONS, 0},
                                               {SOLVER_CAUTIOUS, 0},
                                               {SOLVER_TRIAL, 0},
                                               {SOLVER_CUTS, 0}});
-  expect_case(on, "up to twice of what momentum leaves is no absurdity",
-              {.iteration = 0, .residual = 512, .momentum = 256, .moved = 2, .after = begun});
+  expect_case(on, "up to ten times what momentum leaves is no absurdity",
+              {.iteration = 0, .residual = 512, .momentum = 64, .moved = 2, .after = begun});
   expect_case(on, "the prediction is to stand still",
-              {.iteration = 0, .residual = 512, .momentum = 128, .moved = 0, .after = begun});
+              {.iteration = 0, .residual = 512, .momentum = 32, .moved = 0, .after = begun});
   const Changes tried{{SOLVER_TRIAL, 1}, {SOLVER_BEST, 512}, {SOLVER_FIRST, 512}};
-  expect_case(on, "which is better",
+  expect_case(on, "which is ten times better",
               {.iteration = 1,
-               .residual = 64,
+               .residual = 32,
                .before = tried,
-               .after = with(taken(64, 60), {{SOLVER_TRIAL, 0}, {SOLVER_FIRST, 64}, {SOLVER_RETURN, 0}})});
-  expect_case(on, "which is worse: the prediction is evaluated again",
+               .after = with(taken(32, 60), {{SOLVER_TRIAL, 0}, {SOLVER_FIRST, 32}, {SOLVER_RETURN, 0}})});
+  expect_case(on, "which is not: the prediction is evaluated again",
               {.iteration = 1,
-               .residual = 640,
+               .residual = 320,
                .before = tried,
                .after = {{SOLVER_TRIAL, 0}, {SOLVER_RETURN, 1}, {SOLVER_ACTION, 3}}});
 }

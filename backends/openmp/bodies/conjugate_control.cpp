@@ -26,17 +26,18 @@ template <class real> void conjugate_control(const kernels::conjugate_control::V
       solver[SOLVER_CG_STEP] = step;
       solver[SOLVER_SLOPE] += step * rz; // r_first . p = r . z along conjugate directions
       solver[SOLVER_INNER] += 1;
-      complete = k.last || solver[SOLVER_CAUTIOUS] > 0;
+      complete = solver[SOLVER_COUNT] >= static_cast<real>(k.cap) || solver[SOLVER_CAUTIOUS] > 0;
     } else {
       solver[SOLVER_CG_STEP] = first ? real(1) : real(0);
       if (first) solver[SOLVER_SLOPE] = rz;
       complete = true;
     }
   } else if (first) {
-    if (!usable) { // the residual is zero, or no number
+    const bool exhausted = solver[SOLVER_COUNT] >= static_cast<real>(k.cap);
+    if (exhausted || !usable) { // the residual is zero, or no number
       solver[SOLVER_LINEAR] = 0;
       solver[SOLVER_STOP] = 1;
-      solver[SOLVER_REASON] = 4;
+      solver[SOLVER_REASON] = exhausted ? real(3) : real(4);
       return;
     }
     const real forcing = smaller(real(0.1), root(solver[SOLVER_BEST] / solver[SOLVER_FIRST]));
@@ -44,7 +45,7 @@ template <class real> void conjugate_control(const kernels::conjugate_control::V
     solver[SOLVER_SLOPE] = 0;
     solver[SOLVER_CG_KEEP] = 0;
     solver[SOLVER_RZ] = found;
-  } else if (found > solver[SOLVER_RZ_ENOUGH] && !k.last) {
+  } else if (found > solver[SOLVER_RZ_ENOUGH] && solver[SOLVER_COUNT] < static_cast<real>(k.cap)) {
     solver[SOLVER_CG_KEEP] = found / solver[SOLVER_RZ];
     solver[SOLVER_RZ] = found;
   } else {

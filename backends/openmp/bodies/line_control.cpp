@@ -35,7 +35,7 @@ template <class real> void line_control(const kernels::line_control::View<real>&
   solver[SOLVER_COUNT] += 1;
   solver[SOLVER_CURRENT] = e;
   solver[SOLVER_FLOOR] = low;
-  const bool good = e <= low || e <= 2 * solver[SOLVER_SCALE];
+  const bool good = e <= low || e <= 10 * solver[SOLVER_SCALE];
   if (k.iteration == 0 && moved > 0 && !good) {
     solver[SOLVER_TRIAL] = 1;
     solver[SOLVER_BEST] = finite ? e : real(3e38);
@@ -48,7 +48,7 @@ template <class real> void line_control(const kernels::line_control::View<real>&
   if (solver[SOLVER_TRIAL] > 0) {
     solver[SOLVER_TRIAL] = 0;
     solver[SOLVER_RETURN] = 1; // the next one evaluated, or this one, is taken
-    if (!(e < solver[SOLVER_BEST])) {
+    if (!(e < solver[SOLVER_BEST] / 10)) {
       solver[SOLVER_ACTION] = 3;
       return;
     }
@@ -56,7 +56,7 @@ template <class real> void line_control(const kernels::line_control::View<real>&
   }
   const real length = solver[SOLVER_LENGTH], slope = solver[SOLVER_SLOPE], steep = sums.z / length;
   bool taken = k.iteration == 0 || k.restart || solver[SOLVER_RETURN] > 0;
-  const bool near_floor = solver[SOLVER_BEST] <= 32 * low;
+  const bool near_floor = k.potential && solver[SOLVER_BEST] <= 32 * low;
   bool blind = false; // the precision cannot tell what the step did
   if (!taken && finite) {
     const real before = solver[SOLVER_POTENTIAL], change = phi - before;
@@ -94,7 +94,9 @@ template <class real> void line_control(const kernels::line_control::View<real>&
   }
   solver[SOLVER_CUTS] += 1;
   solver[SOLVER_RESTARTS] += 1;
-  if (solver[SOLVER_CUTS] <= 12) {
+  if (solver[SOLVER_COUNT] > static_cast<real>(k.cap)) {
+    solver[SOLVER_STOP] = 1;
+  } else if (solver[SOLVER_CUTS] <= 12) {
     const real root_of_secant = finite && slope > steep ? slope / (slope - steep) : real(0.5);
     const real factor = larger(real(0.1), smaller(real(0.5), root_of_secant));
     solver[SOLVER_FACTOR] = factor;

@@ -41,7 +41,7 @@ template <class real> void residual_control(const kernels::residual_control::Vie
   solver[SOLVER_CURRENT] = e;
   solver[SOLVER_FLOOR] = low;
   solver[SOLVER_ACTION] = 0;
-  const bool good = e <= low || e <= 2 * solver[SOLVER_SCALE];
+  const bool good = e <= low || e <= 10 * solver[SOLVER_SCALE];
   if (k.iteration == 0 && k.second_guess && moved > 0 && !good) {
     solver[SOLVER_TRIAL] = 1;
     solver[SOLVER_ACTION] = 3;
@@ -50,7 +50,7 @@ template <class real> void residual_control(const kernels::residual_control::Vie
   }
   if (solver[SOLVER_TRIAL] > 0) {
     solver[SOLVER_TRIAL] = 0;
-    if (!(e < solver[SOLVER_BEST])) {
+    if (!(e < solver[SOLVER_BEST] / 10)) {
       solver[SOLVER_ACTION] = 2;
       solver[SOLVER_START] = static_cast<real>(k.iteration + 1);
       return;
