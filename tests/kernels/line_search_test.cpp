@@ -318,7 +318,7 @@ TEST_P(LineSearch, SecondGuess) {
                .after = with(taken(32, 60), {{SOLVER_TRIAL, 0}, {SOLVER_FIRST, 32}, {SOLVER_RETURN, 0}})});
   expect_case(on, "which is not: the prediction is evaluated again",
               {.iteration = 1,
-               .residual = 320,
+               .residual = 64,
                .before = tried,
                .after = {{SOLVER_TRIAL, 0}, {SOLVER_RETURN, 1}, {SOLVER_ACTION, 3}}});
 }

@@ -237,7 +237,7 @@ TEST_P(ResidualControl, SecondGuess) {
                          {SOLVER_ITERATIONS, 1}}});
   expect_case(GetParam(), "which is not: back to the prediction",
               {.iteration = 1,
-               .residual = 320,
+               .residual = 64,
                .before = tried,
                .after = {{SOLVER_TRIAL, 0}, {SOLVER_ACTION, 2}, {SOLVER_CURRENT, 64}, {SOLVER_START, 2}}});
 }
