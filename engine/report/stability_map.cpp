@@ -73,10 +73,11 @@ void draw_cell(Canvas& canvas, const StabilityCell& cell, double x, double y, do
               Anchor::middle, false);
 }
 
+/// Powers of ten, fractions as typed (1/30), else two digits.
 std::string power(double value) {
   const double exponent = std::log10(value);
-  return std::abs(exponent - std::round(exponent)) < 1e-6 ? fmt::format("1e{:.0f}", exponent)
-                                                          : fmt::format("1/{:.0f}", 1 / value);
+  if (std::abs(exponent - std::round(exponent)) < 1e-6) return fmt::format("1e{:.0f}", exponent);
+  return value < 1 && value > 1e-4 ? fmt::format("1/{:.0f}", 1 / value) : fmt::format("{:.2g}", value);
 }
 
 std::string young_text(double value) {
@@ -149,7 +150,7 @@ public:
 
 private:
   static constexpr double head = 90, map_left = 62, map_top = 66, map_cell = 46, map_row = 22;
-  static constexpr double list_head = 84, list_row = 17, list_cell = 40, label_width = 390;
+  static constexpr double list_head = 84, list_row = 17, list_cell = 40, label_width = 420;
 
   double map_width() const { return static_cast<double>(steps_.size()) * map_cell; }
   double map_height() const { return static_cast<double>(youngs_.size()) * map_row; }
@@ -210,9 +211,9 @@ private:
   void draw_list(Canvas& canvas, double x, double y) const {
     const double cells = x + label_width;
     canvas.text({x, y + list_head - 14}, "problem", normal, ink, Anchor::start, false);
-    canvas.text({x + 250, y + list_head - 14}, "E (Pa)", small, ink, Anchor::start, false);
-    canvas.text({x + 300, y + list_head - 14}, "ratio", small, ink, Anchor::start, false);
-    canvas.text({x + 345, y + list_head - 14}, "h (s)", small, ink, Anchor::start, false);
+    canvas.text({x + 280, y + list_head - 14}, "E (Pa)", small, ink, Anchor::start, false);
+    canvas.text({x + 330, y + list_head - 14}, "ratio", small, ink, Anchor::start, false);
+    canvas.text({x + 375, y + list_head - 14}, "h (s)", small, ink, Anchor::start, false);
     for (std::size_t c = 0; c < columns_.size(); ++c)
       canvas.text({cells + (static_cast<double>(c) + 0.5) * list_cell - small / 2, y + list_head - 6},
                   columns_[c].first, small, ink, Anchor::start, true);
@@ -231,9 +232,9 @@ private:
                    text = top + (list_row - small) / 2;
       canvas.lines({{{x, top}, {cells, top}}}, 1, line_colour);
       canvas.text({x, text}, row.name, small, ink, Anchor::start, false);
-      canvas.text({x + 250, text}, young_text(row.young), small, ink, Anchor::start, false);
-      canvas.text({x + 300, text}, fmt::format("{:g}", row.poisson), small, ink, Anchor::start, false);
-      canvas.text({x + 345, text}, power(row.time_step), small, ink, Anchor::start, false);
+      canvas.text({x + 280, text}, young_text(row.young), small, ink, Anchor::start, false);
+      canvas.text({x + 330, text}, fmt::format("{:g}", row.poisson), small, ink, Anchor::start, false);
+      canvas.text({x + 375, text}, power(row.time_step), small, ink, Anchor::start, false);
       for (std::size_t c = 0; c < columns_.size(); ++c)
         if (const auto found = at_.find({row, columns_[c]}); found != at_.end())
           draw_cell(canvas, *found->second, cells + static_cast<double>(c) * list_cell, top, list_cell,
