@@ -121,8 +121,8 @@ public:
     const double maps_wide =
         youngs_.empty() ? 0 : static_cast<double>(methods_.size()) * (map_width() + map_left) + margin;
     list_left_ = margin + maps_wide;
-    width_ =
-        std::max(list_left_ + label_width + static_cast<double>(columns_.size()) * list_cell + margin, 900.0);
+    width_ = std::max(list_left_ + label_width + static_cast<double>(columns_.size()) * list_cell + margin,
+                      1260.0);
     const double maps_high =
         youngs_.empty() ? 0 : static_cast<double>(backends_.size()) * (map_height() + map_top) + 30;
     const double list_high = list_head + static_cast<double>(rows_.size()) * list_row;
