@@ -22,9 +22,17 @@ void main() {
   float theta = u[0][0] + u[1][1] + u[2][2], coupling = shape[stride + i];
   float xx = theta - u[0][0], yy = theta - u[1][1], zz = theta - u[2][2];
   float xy = -0.5 * (u[0][1] + u[1][0]), xz = -0.5 * (u[0][2] + u[2][0]), yz = -0.5 * (u[1][2] + u[2][1]);
-  // Gershgorin: no eigenvalue below a fiftieth.
+  float scale = 1.0 - coupling * (theta - 1.0);
+  float lowest = solver[SOLVER_CONVEX] > 0.0 ? max(0.02, scale * 2.0 / 3.0) : 0.02; // of an eigenvalue
   float least = min(xx - abs(xy) - abs(xz), min(yy - abs(xy) - abs(yz), zz - abs(xz) - abs(yz)));
-  float raise = max(0.0, 0.02 - least);
+  // Gershgorin's bound, then Newton's method on the characteristic polynomial, which nears the least root from below.
+  float c1 = xx + yy + zz, c2 = xx * yy + yy * zz + zz * xx - xy * xy - xz * xz - yz * yz;
+  float c3 = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
+  for (int k = 0; k < 8; ++k) {
+    float slope = (3.0 * least - 2.0 * c1) * least + c2;
+    least -= min(0.0, ((least - c1) * least + c2) * least - c3) / max(slope, 1e-6 * c1 * c1 + 1e-30);
+  }
+  float raise = max(0.0, lowest - least);
   xx += raise;
   yy += raise;
   zz += raise;
@@ -32,6 +40,6 @@ void main() {
   float f = 1.0 / (xx * cxx + xy * cxy + xz * cxz);
   tangent[4 * i] = q;
   tangent[4 * i + 1] = f * vec4(cxx, cxy, cxz, xx * zz - xz * xz);
-  tangent[4 * i + 2] = vec4(f * (xy * xz - xx * yz), f * (xx * yy - xy * xy), 1.0 - coupling * (theta - 1.0), coupling);
+  tangent[4 * i + 2] = vec4(f * (xy * xz - xx * yz), f * (xx * yy - xy * xy), scale, coupling);
   tangent[4 * i + 3] = vec4(shape[i], 0.0, 0.0, 0.0);
 }

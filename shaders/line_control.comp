@@ -39,6 +39,7 @@ void main() {
     solver[SOLVER_RETURN] = 0.0;
     solver[SOLVER_SCALE] = sqrt(group_scale[0].x);
     solver[SOLVER_TRIAL] = 0.0;
+    solver[SOLVER_CONVEX] = 0.0;
   }
   solver[SOLVER_COUNT] += 1.0;
   solver[SOLVER_CURRENT] = e;
@@ -89,6 +90,7 @@ void main() {
     if (solver[SOLVER_RETURN] == 0.0) solver[SOLVER_CAUTIOUS] = 0.0;
     solver[SOLVER_RETURN] = 0.0;
     solver[SOLVER_INNER] = 0.0;
+    if (e < 0.1 * solver[SOLVER_CONVEX]) solver[SOLVER_CONVEX] = 0.0; // the exact derivative is tried again
     bool enough = finite && (e <= low || e <= tolerance * solver[SOLVER_FIRST]);
     if (enough) solver[SOLVER_REASON] = e <= low ? 2.0 : 1.0;
     solver[SOLVER_STOP] = enough ? 1.0 : 0.5;

@@ -233,6 +233,13 @@ TEST_P(LineSearch, Decisions) {
   expect_case(on, "nothing after the end", {.before = {{SOLVER_STOP, 1}, {SOLVER_ACTION, 2}}});
 }
 
+TEST_P(LineSearch, TheExactDerivativeIsTriedAgain) {
+  const DeviceChoice& on = GetParam();
+  expect_case(on, "a tenth of where it was indefinite",
+              {.before = {{SOLVER_CONVEX, 32}}, .after = with(taken(3, 60), {{SOLVER_CONVEX, 0}})});
+  expect_case(on, "not yet", {.before = {{SOLVER_CONVEX, 16}}, .after = taken(3, 60)});
+}
+
 TEST_P(LineSearch, CautionAndTheEnd) {
   const DeviceChoice& on = GetParam();
   const Changes late{{SOLVER_CUTS, 12}, {SOLVER_RESTARTS, 12}};
@@ -273,8 +280,9 @@ TEST_P(LineSearch, FirstIterateAndAnotherProblem) {
                           {SOLVER_RESTARTS, 5},
                           {SOLVER_CAUTIOUS, 1},
                           {SOLVER_CUTS, 3},
+                          {SOLVER_CONVEX, 7},
                           {SOLVER_REASON, 1}},
-               .after = with(fresh, {{SOLVER_REASON, 3}})});
+               .after = with(fresh, {{SOLVER_REASON, 3}, {SOLVER_CONVEX, 0}})});
   expect_case(on, "another set of contacts: a larger residual is the new first",
               {.restart = 1,
                .residual = 512,

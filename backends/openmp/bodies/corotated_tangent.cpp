@@ -30,21 +30,33 @@ template <class real> void corotated_tangent(const kernels::corotated_tangent::V
       const Wide<real> theta = u.x.x + u.y.y + u.z.z, coupling = load_wide(k.shape + k.stride + i);
       Wide<real> xx = theta - u.x.x, yy = theta - u.y.y, zz = theta - u.z.z;
       const Wide<real> xy = (u.x.y + u.y.x) / -2, xz = (u.x.z + u.z.x) / -2, yz = (u.y.z + u.z.y) / -2;
-      // Gershgorin: no eigenvalue below a fiftieth.
+      const Wide<real> scale = 1 - coupling * (theta - 1), kept = scale * 2 / 3, none{};
+      const Wide<real> fiftieth = none + real(0.02);
+      Wide<real> lowest = fiftieth; // of an eigenvalue
+      if (k.solver[SOLVER_CONVEX] > 0) lowest = kept > fiftieth ? kept : fiftieth;
       const Wide<real> axy = magnitudes<real>(xy), axz = magnitudes<real>(xz), ayz = magnitudes<real>(yz);
       const Wide<real> low_x = xx - axy - axz, low_y = yy - axy - ayz, low_z = zz - axz - ayz;
-      const Wide<real> low_xy = low_x < low_y ? low_x : low_y, least = low_xy < low_z ? low_xy : low_z;
-      const Wide<real> missing = real(0.02) - least, raise = missing > 0 ? missing : missing - missing;
+      const Wide<real> low_xy = low_x < low_y ? low_x : low_y;
+      Wide<real> least = low_xy < low_z ? low_xy : low_z;
+      // Gershgorin's bound, then Newton's method on the characteristic polynomial, which nears the least root
+      // from below.
+      const Wide<real> c1 = xx + yy + zz, c2 = xx * yy + yy * zz + zz * xx - xy * xy - xz * xz - yz * yz;
+      const Wide<real> c3 = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
+      const Wide<real> flat = real(1e-6) * c1 * c1 + real(1e-30);
+      for (int step = 0; step < 8; ++step) {
+        const Wide<real> slope = (3 * least - 2 * c1) * least + c2;
+        const Wide<real> value = ((least - c1) * least + c2) * least - c3;
+        least -= (value < 0 ? value : none) / (slope > flat ? slope : flat);
+      }
+      const Wide<real> missing = lowest - least, raise = missing > 0 ? missing : none;
       xx += raise, yy += raise, zz += raise;
       const Wide<real> cxx = yy * zz - yz * yz, cxy = xz * yz - xy * zz, cxz = xy * yz - xz * yy;
       const Wide<real> f = 1 / (xx * cxx + xy * cxy + xz * cxz);
       Real4<real>* const tangent = k.tangent + 4 * std::size_t{i};
-      const Wide<real> none{};
       store<4>(tangent, part.count, q);
       store<4>(tangent + 1, part.count, Wide4<real>{f * cxx, f * cxy, f * cxz, f * (xx * zz - xz * xz)});
       store<4>(tangent + 2, part.count,
-               Wide4<real>{f * (xy * xz - xx * yz), f * (xx * yy - xy * xy), 1 - coupling * (theta - 1),
-                           coupling});
+               Wide4<real>{f * (xy * xz - xx * yz), f * (xx * yy - xy * xy), scale, coupling});
       store<4>(tangent + 3, part.count, Wide4<real>{inverse_modulus, none, none, none});
     });
 }

@@ -31,6 +31,7 @@ template <class real> void line_control(const kernels::line_control::View<real>&
     solver[SOLVER_RETURN] = 0;
     solver[SOLVER_SCALE] = root(impulse);
     solver[SOLVER_TRIAL] = 0;
+    solver[SOLVER_CONVEX] = 0;
   }
   solver[SOLVER_COUNT] += 1;
   solver[SOLVER_CURRENT] = e;
@@ -82,6 +83,7 @@ template <class real> void line_control(const kernels::line_control::View<real>&
     if (solver[SOLVER_RETURN] == 0) solver[SOLVER_CAUTIOUS] = 0;
     solver[SOLVER_RETURN] = 0;
     solver[SOLVER_INNER] = 0;
+    if (e < solver[SOLVER_CONVEX] / 10) solver[SOLVER_CONVEX] = 0; // the exact derivative is tried again
     if (enough) solver[SOLVER_REASON] = e <= low ? real(2) : real(1);
     solver[SOLVER_STOP] = enough ? real(1) : real(0.5);
     solver[SOLVER_LINEAR] = enough ? real(0) : real(1);
