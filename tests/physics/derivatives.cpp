@@ -18,10 +18,13 @@ std::vector<Deformed> deformations() {
   sheared << 1.2, 0.3, 0, -0.1, 0.8, 0.2, 0, 0.1, 1.1;
   squeezed.diagonal() << 0.5, 1.3, 1.3;
   const Matrix3 turned = Eigen::AngleAxisd(2.5, Vector3(1, 2, -2) / 3).toRotationMatrix();
-  return {{"at rest", Matrix3::Identity(), 0},
-          {"near rest", Matrix3::Identity(), 0.05},
-          {"turned and sheared", turned * sheared, 0.1},
-          {"squeezed", squeezed, 0.15}};
+  return {
+      {"at rest", Matrix3::Identity(), 0},
+      {"near rest", Matrix3::Identity(), 0.05},
+      {"turned and sheared", turned * sheared, 0.1},
+      {"squeezed", squeezed, 0.15},
+      // A bound of eigenvalues by rows of the matrix would hold this one away from singular, which it is not.
+      {"inverted askew", 1.15 * Matrix3::Identity() - 1.85 / 3 * Matrix3::Ones(), 0.05}};
 }
 
 std::vector<Vector3> displacements(const Model& model, const Deformed& state, unsigned seed) {
@@ -106,6 +109,47 @@ TEST(Derivatives, RigidMotionsAtRest) {
     for (const Vector3& x : stage.model.position)
       turn.push_back(Vector3(1, -2, 0.5).cross(x) + Vector3(1, 1, 0));
     expect_below(std::string(law) + ": rigid motion", size_of(rig.product(turn)) / stiffness, 1e-12);
+  }
+}
+
+/// The least eigenvalue of -df/du over the largest, by power iterations on the one shifted by the other.
+double least_eigenvalue(SolveRig& rig, std::size_t n) {
+  std::vector<Vector3> v = random_field(n, 77), none(n, Vector3::Zero());
+  double largest = 0, least = 0;
+  for (int k = 0; k < 60; ++k) {
+    v = plus(none, 1 / size_of(v), v);
+    v = rig.product(v);
+    largest = 1.1 * size_of(v);
+  }
+  v = random_field(n, 78);
+  for (int k = 0; k < 400; ++k) {
+    v = plus(none, 1 / size_of(v), v);
+    const std::vector<Vector3> hv = rig.product(v);
+    least = inner(v, hv);
+    v = plus(plus(none, largest, v), -1, hv);
+  }
+  return least / largest;
+}
+
+// A crushed body may buckle: its derivative is indefinite. The convex one is not, whatever the state.
+TEST(Derivatives, ConvexOnesAreNotNegative) {
+  const auto device = open_double();
+  for (const double poisson : {0.0, 0.25, 0.45}) {
+    const Stage stage = floating("corotated", poisson);
+    SolveRig rig(*device, stage.scene, stage.model);
+    const std::size_t n = stage.model.count();
+    const std::vector<Vector3> u =
+        displacements(stage.model, {"crushed", 0.5 * Matrix3::Identity(), 0.3}, 22);
+    rig.forces(u);
+    const double exact = least_eigenvalue(rig, n);
+    rig.convex = true;
+    rig.forces(u);
+    const double convex = least_eigenvalue(rig, n);
+    report("crushed, ratio " + std::to_string(poisson).substr(0, 4) + ": least eigenvalue over largest",
+           exact);
+    EXPECT_LT(exact, -1e-2);
+    report("  kept positive", convex);
+    EXPECT_GT(convex, -1e-3);
   }
 }
 

@@ -17,6 +17,7 @@ namespace pliant::test {
 class SolveRig {
 public:
   Plan plan;
+  bool convex = false; ///< the derivative is kept positive
 
   /// Held particles are those whose inertia is negative, as a simulation marks them.
   SolveRig(Device& device, const Scene& scene, const Model& model)
@@ -45,6 +46,7 @@ public:
     device_.copy(state_.displacement, state_.best_iterate);
     std::vector<double> solver(SOLVER_ENTRIES, 0.0);
     solver[SOLVER_LINEAR] = solver[SOLVER_TAKEN] = 1;
+    solver[SOLVER_CONVEX] = convex;
     device_.upload(state_.solver, solver);
     elasticity_.begin();
     elasticity_.state(state_.displacement);
