@@ -9,8 +9,8 @@
 //
 // A declaration uses the types real, real4, uint and uint4 only: `real` is float in GLSL and float or double
 // on the CPU. An option is a number fixed when the shader is compiled; a parameter may change every dispatch;
-// a table is a small uniform block; a buffer is a storage block in an explicit slot, at most 8 a variant, which
-// is all that OpenGL 4.3 promises: buffers that no variant uses together may share a slot.
+// a table is a small uniform block; a buffer is a storage block in an explicit slot, at most 8 a variant,
+// which is all that OpenGL 4.3 promises: buffers that no variant uses together may share a slot.
 #pragma once
 
 #include <cstddef>

@@ -208,9 +208,10 @@ TEST(Plan, Text) {
   made.scene.boundaries = {floor_below()};
   const Plan plan = make_plan(made.scene, made.model, slice_bonds(made.model), made.request);
   const std::string text = plan_text(plan, Precision::single_precision);
-  for (const char* part : {"80 particles", "boundary_contact[meshes=0,potential=0,tangent=0]",
-                           "chebyshev_step[checked=1,position=0,contacts=1]", "left out: bdf2, held particles",
-                           "bytes a particle", "bytes a bond", "position", "single precision"})
+  for (const char* part :
+       {"80 particles", "boundary_contact[meshes=0,potential=0,tangent=0]",
+        "chebyshev_step[checked=1,position=0,contacts=1]", "left out: bdf2, held particles",
+        "bytes a particle", "bytes a bond", "position", "single precision"})
     EXPECT_NE(text.find(part), std::string::npos) << part << " is not in\n" << text;
   EXPECT_EQ(text.find("prescribe"), std::string::npos);
 }
