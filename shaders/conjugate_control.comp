@@ -30,7 +30,7 @@ void main() {
   solver[SOLVER_COUNT] += 1.0;
   bool first = solver[SOLVER_INNER] == 0.0;
   if (!(found > 0.0) || isinf(found)) {
-    solver[SOLVER_CONVEX] = solver[SOLVER_CONVEX] > 0.0 ? min(1.0, solver[SOLVER_CONVEX] / 0.64) : 1.0;
+    solver[SOLVER_CONVEX] = solver[SOLVER_BEST];
     solver[SOLVER_CG_STEP] = first ? 1.0 : 0.0;
     if (first) solver[SOLVER_SLOPE] = rz;
     solver[SOLVER_ACTION] = 2.0;

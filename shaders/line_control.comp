@@ -90,9 +90,7 @@ void main() {
     if (solver[SOLVER_RETURN] == 0.0) solver[SOLVER_CAUTIOUS] = 0.0;
     solver[SOLVER_RETURN] = 0.0;
     solver[SOLVER_INNER] = 0.0;
-    // A whole step that leaves much of the slope was too short: the derivative nears the exact one again.
-    if (solver[SOLVER_LENGTH] == 1.0 && steep > 0.25 * slope) solver[SOLVER_CONVEX] *= 0.8;
-    if (solver[SOLVER_CONVEX] < 0.3) solver[SOLVER_CONVEX] = 0.0;
+    if (e < 0.1 * solver[SOLVER_CONVEX]) solver[SOLVER_CONVEX] = 0.0; // the exact derivative is tried again
     bool enough = finite && (e <= low || e <= tolerance * solver[SOLVER_FIRST]);
     if (enough) solver[SOLVER_REASON] = e <= low ? 2.0 : 1.0;
     solver[SOLVER_STOP] = enough ? 1.0 : 0.5;
@@ -105,8 +103,6 @@ void main() {
     return;
   }
   solver[SOLVER_CUTS] += 1.0;
-  // Too long in some direction that hardly resists.
-  solver[SOLVER_CONVEX] = solver[SOLVER_CONVEX] > 0.0 ? min(1.0, solver[SOLVER_CONVEX] / 0.64) : 1.0;
   solver[SOLVER_RESTARTS] += 1.0;
   if (solver[SOLVER_COUNT] > float(cap)) {
     solver[SOLVER_STOP] = 1.0;

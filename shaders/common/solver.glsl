@@ -37,7 +37,7 @@
 #define SOLVER_TRIAL 42        // 1: the other first guess, standing still, is evaluated
 #define SOLVER_FLOOR 43        // what the precision can reach, sqrt(N m)
 #define SOLVER_TOUCHED 44      // mark of the set of particles in contact
-#define SOLVER_CONVEX 45       // 0: the exact derivative; 1: one that is nowhere negative; between them, nearer to which
+#define SOLVER_CONVEX 45       // residual at which the derivative was found indefinite, 0 if not: it is kept positive till .1 of it
 #define SOLVER_ENTRIES 64
 #define MEMORY 5               // steps that a quasi-Newton method remembers
 #define HISTORY_DOTS 25        // five a slot: s.r, z.r, s.y_new, s_new.y, y.z_new

@@ -83,10 +83,10 @@ TEST_P(Conjugate, AfterTheProduct) {
   expect_case(on, "one alone, where caution is due", true, 32, {{SOLVER_CAUTIOUS, 1}}, with(step, complete));
   for (const double found : {0.0, -3.0, not_a_number, anything}) {
     expect_case(on, "no positive curvature: what there is", true, found, {},
-                with(complete, {{SOLVER_CG_STEP, 0}, {SOLVER_CONVEX, 1}}));
+                with(complete, {{SOLVER_CG_STEP, 0}, {SOLVER_CONVEX, 4}}));
     expect_case(on, "none at first: the preconditioned gradient", true, found,
                 {{SOLVER_INNER, 0}, {SOLVER_SLOPE, 0}},
-                with(complete, {{SOLVER_CG_STEP, 1}, {SOLVER_SLOPE, 16}, {SOLVER_CONVEX, 1}}));
+                with(complete, {{SOLVER_CG_STEP, 1}, {SOLVER_SLOPE, 16}, {SOLVER_CONVEX, 4}}));
   }
   expect_case(on, "no direction is wanted", true, 32, {{SOLVER_LINEAR, 0}, {SOLVER_ACTION, 2}}, {});
 }

@@ -28,8 +28,7 @@ template <class real> void conjugate_control(const kernels::conjugate_control::V
       solver[SOLVER_INNER] += 1;
       complete = solver[SOLVER_COUNT] >= static_cast<real>(k.cap) || solver[SOLVER_CAUTIOUS] > 0;
     } else {
-      solver[SOLVER_CONVEX] =
-          solver[SOLVER_CONVEX] > 0 ? smaller(real(1), solver[SOLVER_CONVEX] / real(0.64)) : real(1);
+      solver[SOLVER_CONVEX] = solver[SOLVER_BEST];
       solver[SOLVER_CG_STEP] = first ? real(1) : real(0);
       if (first) solver[SOLVER_SLOPE] = rz;
       complete = true;

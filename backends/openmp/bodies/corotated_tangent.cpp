@@ -30,9 +30,10 @@ template <class real> void corotated_tangent(const kernels::corotated_tangent::V
       const Wide<real> theta = u.x.x + u.y.y + u.z.z, coupling = load_wide(k.shape + k.stride + i);
       Wide<real> xx = theta - u.x.x, yy = theta - u.y.y, zz = theta - u.z.z;
       const Wide<real> xy = (u.x.y + u.y.x) / -2, xz = (u.x.z + u.z.x) / -2, yz = (u.y.z + u.z.y) / -2;
-      const Wide<real> scale = 1 - coupling * (theta - 1), none{}, fiftieth = none + real(0.02);
-      const Wide<real> kept = k.solver[SOLVER_CONVEX] * 2 / 3 * scale;
-      const Wide<real> lowest = kept > fiftieth ? kept : fiftieth; // of an eigenvalue
+      const Wide<real> scale = 1 - coupling * (theta - 1), kept = scale * 2 / 3, none{};
+      const Wide<real> fiftieth = none + real(0.02);
+      Wide<real> lowest = fiftieth; // of an eigenvalue
+      if (k.solver[SOLVER_CONVEX] > 0) lowest = kept > fiftieth ? kept : fiftieth;
       const Wide<real> axy = magnitudes<real>(xy), axz = magnitudes<real>(xz), ayz = magnitudes<real>(yz);
       const Wide<real> low_x = xx - axy - axz, low_y = yy - axy - ayz, low_z = zz - axz - ayz;
       const Wide<real> low_xy = low_x < low_y ? low_x : low_y;

@@ -83,9 +83,7 @@ template <class real> void line_control(const kernels::line_control::View<real>&
     if (solver[SOLVER_RETURN] == 0) solver[SOLVER_CAUTIOUS] = 0;
     solver[SOLVER_RETURN] = 0;
     solver[SOLVER_INNER] = 0;
-    // A whole step that leaves much of the slope was too short: the derivative nears the exact one again.
-    if (length == 1 && steep > slope / 4) solver[SOLVER_CONVEX] *= real(0.8);
-    if (solver[SOLVER_CONVEX] < real(0.3)) solver[SOLVER_CONVEX] = 0;
+    if (e < solver[SOLVER_CONVEX] / 10) solver[SOLVER_CONVEX] = 0; // the exact derivative is tried again
     if (enough) solver[SOLVER_REASON] = e <= low ? real(2) : real(1);
     solver[SOLVER_STOP] = enough ? real(1) : real(0.5);
     solver[SOLVER_LINEAR] = enough ? real(0) : real(1);
@@ -97,9 +95,6 @@ template <class real> void line_control(const kernels::line_control::View<real>&
     return;
   }
   solver[SOLVER_CUTS] += 1;
-  // Too long in some direction that hardly resists.
-  solver[SOLVER_CONVEX] =
-      solver[SOLVER_CONVEX] > 0 ? smaller(real(1), solver[SOLVER_CONVEX] / real(0.64)) : real(1);
   solver[SOLVER_RESTARTS] += 1;
   if (solver[SOLVER_COUNT] > static_cast<real>(k.cap)) {
     solver[SOLVER_STOP] = 1;
