@@ -13,6 +13,8 @@
 
 #include "tests/support/devices.h"
 
+#include <fmt/format.h>
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -109,7 +111,7 @@ template <class Args> Values run_kernel(Device& device, std::uint32_t threads, c
     else
       device.upload(buffer, values);
     BufferStorage* const storage = buffer;
-    std::memcpy(at, &storage, sizeof storage);
+    std::memcpy(at, static_cast<const void*>(&storage), sizeof(void*));
   }
   device.run(args);
   Values out;
@@ -168,19 +170,20 @@ Values expect_kernel(const DeviceChoice& choice, std::uint32_t threads, const Va
           << field.name << " is not exact in float: " << value;
   }
   const std::string what = suite_of(choice, Args::info().name);
-  const Values got = run_kernel<Args>(OpenDevices::of(choice), threads, in);
+  Values got = run_kernel<Args>(OpenDevices::of(choice), threads, in);
   auto& worst = OpenDevices::worst()[what];
   worst.limit = std::max(worst.limit, limit);
   EXPECT_EQ(got.size(), wanted.size()) << what << ": every output has an expectation";
   for (const auto& [name, expected] : wanted)
-    worst.error = std::max(worst.error, compare_values(what + ", " + name, got.at(name), expected.value,
-                                                       expected.scale, choice.epsilon(), limit));
+    worst.error =
+        std::max(worst.error, compare_values(fmt::format("{}, {}", what, name), got.at(name), expected.value,
+                                             expected.scale, choice.epsilon(), limit));
   if (!choice.gl()) return got;
   const DeviceChoice& host = device_choices().front(); // openmp, float
   const Values twin = run_kernel<Args>(OpenDevices::of(host), threads, in);
   for (const auto& [name, expected] : wanted)
-    compare_values(what + " against the CPU in float, " + name, got.at(name), twin.at(name), expected.scale,
-                   choice.epsilon(), limit);
+    compare_values(fmt::format("{} against the CPU in float, {}", what, name), got.at(name), twin.at(name),
+                   expected.scale, choice.epsilon(), limit);
   return got;
 }
 
