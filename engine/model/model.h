@@ -7,6 +7,7 @@
 // double.
 #pragma once
 
+#include "engine/model/stretch_energy.h"
 #include "engine/scene/sample.h"
 #include "engine/scene/scene.h"
 
@@ -22,7 +23,7 @@ inline constexpr int reference_grid = 120;
 /// Bonds are stored in slices of this many particles (SELL-16): one row of a slice is one vector of the CPU.
 inline constexpr std::uint32_t slice_width = 16;
 
-enum class Law : std::uint8_t { corotated, ordinary, projective };
+enum class Law : std::uint8_t { corotated, ordinary, projective, basis, neo_hookean };
 
 /// Bonds in rows: particle i has neighbours neighbour[begin[i]] .. neighbour[begin[i+1]-1], in increasing
 /// order. Bonds are symmetric: if j is in i's row then i is in j's.
@@ -31,6 +32,7 @@ struct Bonds {
   std::vector<std::uint32_t> neighbour;
   std::vector<std::uint32_t> reverse; ///< index of the bond (j, i)
   std::vector<double> weight;         ///< omega_ij: normalised, dimensionless, sum over a row is 1
+  std::vector<double> strength;       ///< G_ij: stiffness by direction, 1 on average; empty: 1 everywhere
   std::size_t count() const { return neighbour.size(); }
 };
 
@@ -38,14 +40,20 @@ struct Bonds {
 ///   corotated:  mu = 3 mu_L,  kappa = (9/2) lambda_L; bond stiffness 2 mu / x^2
 ///   ordinary:   b = (15/2) mu_L, a = (9/2) K;         bond stiffness 2 b / x^2
 ///   projective: 2 mu_1 + lambda_1 = 6 E;              bond stiffness (2 mu_1 + lambda_1) / x^2
+///   basis:      mu_2 = (15/2) mu_L, lambda_2 = (9/2) (lambda_L - mu_L); bond stiffness 2 mu_2 / x^2, times
+///   G_ij
 struct LawConstants {
-  double modulus = 0; ///< Pa: c_ij = modulus * V_i * omega_ij / x_ij^2 is the bond's own stiffness, N/m
-  double coupling =
-      0; ///< kappa / mu (corotated), (a - b) / b (ordinary), share of the deviatoric term (projective)
+  double modulus = 0;  ///< Pa: c_ij = modulus * V_i * omega_ij / x_ij^2 is the bond's own stiffness, N/m
+  double coupling = 0; ///< kappa / mu (corotated), (a - b) / b (ordinary), share of the deviatoric term
+                       ///< (projective), lambda_2 / mu_2 (basis)
   double bound = 1; ///< the solver's diagonal is bound * c_ij: 1 + max(coupling, 0), or 1 (projective)
 };
 LawConstants law_constants(Law law, double young, double poisson, double split);
+/// The same by a material's own law and calibration. Throws Error(usage).
+LawConstants law_constants(const Material& material);
 Law law_from_name(const std::string& name);
+/// The law that a material's `law` and `form` name.
+Law law_of(const Material& material);
 const char* law_name(Law law);
 
 /// One law's run of particles; its bonds begin a new slice.
@@ -97,6 +105,7 @@ struct Model {
   std::vector<LawRange> laws;
   std::vector<BodyModel> bodies;
   std::vector<LawConstants> constants; ///< of each material (index into Scene::materials)
+  std::vector<StretchEnergy> stretch;  ///< the same, of law basis; left empty where no material has it
   std::vector<Motion> motions;
   std::vector<Held> held;
   std::vector<Load> loads;
@@ -138,6 +147,7 @@ struct SlicedBonds {
       offset;                     ///< bond vector: three signed 10-bit multiples of spacing / 120, x lowest
   std::vector<double> weight_out; ///< c_ij = modulus_i V_i omega_ij / x^2, N/m; 0 in padding
   std::vector<double> weight_in;  ///< c_ji
+  std::vector<double> strength_out, strength_in; ///< G_ij, G_ji; 1 in padding; empty where the model's is
 };
 SlicedBonds slice_bonds(const Model& model);
 

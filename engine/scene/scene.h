@@ -45,12 +45,30 @@ struct Motion {
   std::optional<bool> release;        ///< instead, at `end`, particles are set free and an obstacle is gone
 };
 
+/// Stiffness of bonds by direction: |Sigma R^T N| over its mean, the columns of R the directions.
+struct Anisotropy {
+  bool given = false;
+  Vector3 strengths = Vector3::Ones();      ///< sigma: along each direction, above 0
+  Matrix3 directions = Matrix3::Identity(); ///< rows: orthonormal, in the scene's axes, of the body at rest
+  Vector3 rotate_axis = {0, 1, 0};          ///< unit; the directions turned about it
+  double rotate_degrees = 0;
+  bool around = false;                      ///< instead: radial, tangential and axial about an axis
+  Vector3 around_axis = {0, 1, 0};          ///< unit
+  Vector3 around_through = Vector3::Zero(); ///< m; a point of it
+};
+
 struct Material {
   std::string name;
   std::string model = "elastic";
-  std::string law = "corotated"; ///< "corotated" M4, "ordinary" M2, "projective" M1
-  double density = 1000;         ///< kg/m3
-  double young = 1e5;            ///< Pa
+  std::string law = "corotated"; ///< "corotated" M4, "ordinary" M2, "projective" M1; of Xu et al. (2018):
+                                 ///< "basis", "stvk", "neo-hookean"
+  std::string form; ///< "stvk", "neo-hookean": "exact" or "bonds"; empty: the law's default
+  std::map<std::string, double> volume_basis,
+      bond_basis;                    ///< "basis" only: shares of g and h, such as "A4": 0.5
+  std::string calibration = "exact"; ///< "basis", "stvk": or "xu2018" (Eq. 26)
+  Anisotropy anisotropy;             ///< laws over bonds
+  double density = 1000;             ///< kg/m3
+  double young = 1e5;                ///< Pa
   double poisson = 0.3;
   double split = 0.5;              ///< M1 only: share of the deviatoric term, 0 to 1
   std::string inversion = "clamp"; ///< M1 only: "clamp" or "swap" (the paper's row swap; fails by design)

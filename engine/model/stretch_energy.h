@@ -1,0 +1,41 @@
+// The energy of law "basis" (Xu et al. 2018, Eqs. 12 and 14), over a particle's volume, in units of mu_2:
+//
+//   W / mu_2 = (lambda_2 / mu_2) g(theta) + <G h(s)>
+//
+// s is the stretch of a bond, <> the average over a neighbourhood, theta = <s>, or the root of <s^2>: with it
+// the St. Venant-Kirchhoff law is exact for every homogeneous deformation, since the strain of a bond of
+// direction N is N . E N = (s^2 - 1) / 2, whose average is tr E / 3.
+#pragma once
+
+#include "engine/model/basis.h"
+
+namespace pliant {
+
+struct Material;
+
+/// Of one material.
+struct StretchEnergy {
+  BasisSum volume;      ///< (lambda_2 / mu_2) g: f''(1) = 2 lambda_2 / mu_2
+  BasisSum bond;        ///< h: f''(1) = 2
+  bool squared = false; ///< theta is the root of the mean square stretch
+};
+
+/// Of a material whose law is "basis", "stvk", or "neo-hookean" with form "bonds"; empty sums for the others.
+/// Throws Error(usage): shares that are negative or sum to nothing, more powers than kernels hold, energies
+/// that are not least at rest.
+///   neo-hookean, bonds: h = A_1, (lambda_2 / mu_2) g = 3/5 ((lambda_L / mu_L) log2 - A_1), which is exact
+///   for dilation and small strain.
+StretchEnergy stretch_energy(const Material& material);
+
+/// Powers n that a sum may hold: the kernels' table has so many rows for it.
+inline constexpr int largest_powers = 4;
+
+/// What a small strain of the material returns: what was typed, or with calibration "xu2018" (Eq. 26, whose
+/// lambda_2 lacks -(9/2) mu_L) nu = 1 / (4 (1 - nu_typed)) and E = E_typed (5 - 4 nu) / (4 (1 - nu) (1 +
+/// nu)).
+struct SmallStrain {
+  double young = 0, poisson = 0; ///< Pa
+};
+SmallStrain small_strain(const Material& material);
+
+} // namespace pliant
