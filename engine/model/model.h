@@ -40,13 +40,17 @@ struct Bonds {
 ///   corotated:  mu = 3 mu_L,  kappa = (9/2) lambda_L; bond stiffness 2 mu / x^2
 ///   ordinary:   b = (15/2) mu_L, a = (9/2) K;         bond stiffness 2 b / x^2
 ///   projective: 2 mu_1 + lambda_1 = 6 E;              bond stiffness (2 mu_1 + lambda_1) / x^2
+///   neo-hookean: mu_L, and lambda_L that is raised by mu_L (its small strain then is that of the constants
+///   typed); bond stiffness 3 mu_L / x^2
 ///   basis:      mu_2 = (15/2) mu_L, lambda_2 = (9/2) (lambda_L - mu_L); bond stiffness 2 mu_2 / x^2, times
 ///   G_ij
 struct LawConstants {
   double modulus = 0;  ///< Pa: c_ij = modulus * V_i * omega_ij / x_ij^2 is the bond's own stiffness, N/m
   double coupling = 0; ///< kappa / mu (corotated), (a - b) / b (ordinary), share of the deviatoric term
-                       ///< (projective), lambda_2 / mu_2 (basis)
-  double bound = 1; ///< the solver's diagonal is bound * c_ij: 1 + max(coupling, 0), or 1 (projective)
+                       ///< (projective), lambda_2 / mu_2 (basis), 3 lambda_L / (2 mu_L) (neo-hookean)
+  double bound = 1;    ///< the solver's diagonal is bound * c_ij: 1 + max(coupling, 0), or 1 (projective), or
+                       ///< twice that (neo-hookean)
+  double isochoric = 1; ///< the bound without the volume term
 };
 LawConstants law_constants(Law law, double young, double poisson, double split);
 /// The same by a material's own law and calibration. Throws Error(usage).

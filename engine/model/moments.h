@@ -7,6 +7,10 @@
 
 namespace pliant {
 
+/// Of the moments that a law's small strains depend on: 2 where they come from a deformation gradient, 4
+/// where from the stretches of bonds.
+int moment_order(Law law);
+
 struct NeighbourhoodWeights {
   std::vector<double> weight; ///< non-negative, sum 1; empty where there are no neighbours
   double residual = 0;        ///< of the moments, Frobenius norm relative to the target's

@@ -113,6 +113,10 @@ Signatures find_signatures(const Bonds& bonds, const std::vector<GridVector>& gr
 
 } // namespace
 
+int moment_order(Law law) {
+  return law == Law::corotated || law == Law::neo_hookean ? 2 : 4;
+}
+
 WeightReport compute_weights(Bonds& bonds, const std::vector<Vector3>& reference, double spacing, Law law,
                              const std::string& weights, double exponent) {
   if (weights != "matched" && weights != "normalised")
@@ -120,7 +124,7 @@ WeightReport compute_weights(Bonds& bonds, const std::vector<Vector3>& reference
                 fmt::format("weights are \"matched\" or \"normalised\", not \"{}\"", weights));
   const std::vector<GridVector> grid = to_grid(reference, spacing);
   const Signatures signatures = find_signatures(bonds, grid);
-  const int order = law == Law::corotated ? 2 : 4;
+  const int order = moment_order(law);
   std::vector<NeighbourhoodWeights> solved(signatures.model.size());
 #pragma omp parallel
   {

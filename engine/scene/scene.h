@@ -71,10 +71,16 @@ struct Material {
   double young = 1e5;                ///< Pa
   double poisson = 0.3;
   double split = 0.5;              ///< M1 only: share of the deviatoric term, 0 to 1
-  std::string inversion = "clamp"; ///< M1 only: "clamp" or "swap" (the paper's row swap; fails by design)
+  std::string inversion = "none"; ///< all laws but "corotated": "none" or "clamp"; M1: "clamp", also where this says
+                                  ///< "none", or "swap" (the paper's row swap; fails by design)
   Vector3 color = {0.8, 0.45, 0.3};
   bool color_given = false;
 };
+
+/// Whether a neighbourhood of the material may stay inverted or collapsed, so that it can ask to be pushed back.
+inline bool may_invert(const Material& material) {
+  return material.law != "corotated";
+}
 
 /// Part of a body held, moved or loaded.
 struct Condition {

@@ -93,8 +93,31 @@ void check_shape(const TomlValue& value, Shape& shape, const std::string& path, 
                     path, shape.tube, shape.radius));
 }
 
+void check_inversion(const TomlValue& value, Material& material, const std::string& path,
+                     Findings& findings) {
+  const TomlValue* typed = value.find("inversion");
+  const bool projective = material.law == "projective";
+  if (projective && !typed) material.inversion = "clamp";
+  if (!typed) return;
+  if (!may_invert(material))
+    findings.add(typed->key_where,
+                 fmt::format("{}.inversion does not apply to law = \"{}\", which comes back from inverted states "
+                             "by itself",
+                             path, material.law));
+  else if (projective && material.inversion == "none")
+    findings.add(typed->where,
+                 fmt::format("{}.inversion = \"none\" cannot be had with law = \"projective\", whose targets "
+                             "need one: \"clamp\" or \"swap\"",
+                             path));
+  else if (!projective && material.inversion == "swap")
+    findings.add(typed->where, fmt::format("{}.inversion = \"swap\" goes with law = \"projective\" only; "
+                                           "this law is \"{}\": \"none\" or \"clamp\"",
+                                           path, material.law));
+}
+
 void check_material(const TomlValue& value, Material& material, const std::string& path, Findings& findings) {
   material.color_given = value.find("color") != nullptr;
+  check_inversion(value, material, path, findings);
   if (material.law == "projective") {
     const TomlValue* poisson = value.find("poisson");
     if (!poisson)
@@ -108,7 +131,7 @@ void check_material(const TomlValue& value, Material& material, const std::strin
               path, material.poisson));
     return;
   }
-  for (const char* key : {"split", "inversion"})
+  for (const char* key : {"split"})
     if (const TomlValue* entry = value.find(key))
       findings.add(entry->key_where,
                    fmt::format("{}.{} applies to law = \"projective\" only; this law is \"{}\"", path, key,

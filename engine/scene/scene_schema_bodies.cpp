@@ -33,6 +33,10 @@ bool placed(const void* shape) {
 bool projective(const void* material) {
   return static_cast<const Material*>(material)->law == "projective";
 }
+
+bool may_invert(const void* material) {
+  return may_invert(*static_cast<const Material*>(material));
+}
 bool slips(const void* boundary) {
   return static_cast<const Boundary*>(boundary)->slip;
 }
@@ -230,10 +234,11 @@ const Table& material_table() {
         .range = unit_interval,
         .applies = projective},
        {.name = "inversion",
-        .meaning = "law \"projective\" only: treatment of inverted states; \"swap\" fails by design",
+        .meaning = "all laws but \"corotated\": \"clamp\" pushes inverted neighbourhoods back; law \"projective\": \"clamp\" "
+                   "always, or \"swap\", which fails by design",
         .slot = at<&Material::inversion>,
-        .choices = {"clamp", "swap"},
-        .applies = projective},
+        .choices = {"none", "clamp", "swap"},
+        .applies = may_invert},
        {.name = "color",
         .meaning = "red, green, blue from 0 to 1",
         .slot = at<&Material::color>,

@@ -183,7 +183,21 @@ TEST(SceneErrors, TheProjectiveLawHasOneRatio) {
   EXPECT_EQ(complaint(small_scene, {"materials.rubber.law=projective", "materials.rubber.poisson=0.25"}), "");
   EXPECT_THAT(complaint(small_scene, {"materials.rubber.split=0.3"}), HasSubstr("law = \"projective\" only"));
   EXPECT_THAT(complaint(small_scene, {"materials.rubber.inversion=swap"}),
-              HasSubstr("law = \"projective\" only"));
+              HasSubstr("does not apply to law = \"corotated\""));
+}
+
+TEST(SceneErrors, InversionIsNotEveryLaws) {
+  const auto with = [](const std::string& law, const std::string& inversion) {
+    return complaint(small_scene, {"materials.rubber.law=" + law, "materials.rubber.poisson=0.25",
+                                   "materials.rubber.inversion=" + inversion});
+  };
+  EXPECT_EQ(with("ordinary", "none"), "");
+  EXPECT_EQ(with("ordinary", "clamp"), "");
+  EXPECT_EQ(with("neo-hookean", "clamp"), "");
+  EXPECT_EQ(with("projective", "clamp"), "");
+  EXPECT_THAT(with("ordinary", "swap"), HasSubstr("goes with law = \"projective\" only"));
+  EXPECT_THAT(with("projective", "none"), HasSubstr("cannot be had with law = \"projective\""));
+  EXPECT_THAT(with("ordinary", "push"), HasSubstr("none"));
 }
 
 TEST(SceneErrors, ConditionsAndObstacles) {
