@@ -22,6 +22,7 @@ using Action = std::function<ExitCode()>;
 void add_run(CLI::App& program, Action& action);
 void add_plan(CLI::App& program, Action& action);
 void add_check(CLI::App& program, Action& action);
+void add_curve(CLI::App& program, Action& action);
 void add_converge(CLI::App& program, Action& action);
 void add_verify(CLI::App& program, Action& action);
 void add_stability(CLI::App& program, Action& action);

@@ -65,6 +65,7 @@ int parse_and_run(int argc, char** argv) {
   cli::add_run(program, action);
   cli::add_plan(program, action);
   cli::add_check(program, action);
+  cli::add_curve(program, action);
   cli::add_converge(program, action);
   cli::add_verify(program, action);
   cli::add_stability(program, action);
