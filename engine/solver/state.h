@@ -17,6 +17,7 @@ struct SimulationState {
   Buffer energy;
   // Elasticity.
   Buffer slice_begin, bond, weight, shape, record, rotation, extension;
+  Buffer stretch_record, energies, strength; // laws over basis functions; strength: of directions
   // Solver.
   Buffer solver, residual_partial;
   // Methods with a line search.
