@@ -46,7 +46,7 @@ struct LawConstants {
   double modulus = 0;  ///< Pa: c_ij = modulus * V_i * omega_ij / x_ij^2 is the bond's own stiffness, N/m
   double coupling = 0; ///< kappa / mu (corotated), (a - b) / b (ordinary), share of the deviatoric term
                        ///< (projective), lambda_2 / mu_2 (basis)
-  double bound = 1; ///< the solver's diagonal is bound * c_ij: 1 + max(coupling, 0), or 1 (projective)
+  double bound = 1;    ///< the solver's diagonal is bound * c_ij: 1 + max(coupling, 0), or 1 (projective)
 };
 LawConstants law_constants(Law law, double young, double poisson, double split);
 /// The same by a material's own law and calibration. Throws Error(usage).
@@ -151,7 +151,11 @@ struct SlicedBonds {
 };
 SlicedBonds slice_bonds(const Model& model);
 
-/// K_i of the diagonal, N/m: sum over bonds of bound_i c_ij + bound_j c_ji.
+/// The solver's stiffness of particle i's half of the bond (i, j) over c_ij: its bound, with G_ij for the
+/// bond's own share of it.
+double bond_bound(const Model& model, std::size_t i, std::size_t bond);
+
+/// K_i of the diagonal, N/m: sum over bonds of c_ij and c_ji times their bounds.
 std::vector<double> diagonal_stiffness(const Model& model);
 
 } // namespace pliant
