@@ -1,6 +1,7 @@
 // A scene's bodies as particles: sampled, bonded, given materials, conditions and an initial state.
 #include "engine/core/error.h"
 #include "engine/core/memory.h"
+#include "engine/model/anisotropy.h"
 #include "engine/model/arrange.h"
 #include "engine/model/checks.h"
 #include "engine/model/initial_state.h"
@@ -57,9 +58,9 @@ public:
       : scene_(scene), body_(scene.bodies[index]), index_(index), model_(model),
         place_(place_of(scene, index)) {
     base_material_ = material_index(scene, body_.material, place_);
-    law_ = law_from_name(scene.materials[base_material_].law);
+    law_ = law_of(scene.materials[base_material_]);
     for (const MaterialRegion& region : body_.regions) {
-      const Law other = law_from_name(scene.materials[material_index(scene, region.material, place_)].law);
+      const Law other = law_of(scene.materials[material_index(scene, region.material, place_)]);
       if (other != law_)
         throw Error(
             ExitCode::usage,
@@ -245,6 +246,23 @@ private:
   Eigen::AlignedBox3d box_; ///< of the rest positions
 };
 
+/// What a calibration that is not exact really gives.
+void warn_of_calibration(const Scene& scene, Model& model) {
+  for (std::size_t m = 0; m < scene.materials.size(); ++m) {
+    const Material& material = scene.materials[m];
+    const auto index = static_cast<std::uint32_t>(m);
+    if (material.calibration == "exact" ||
+        std::find(model.material.begin(), model.material.end(), index) == model.material.end())
+      continue;
+    const SmallStrain real = small_strain(material);
+    model.warnings.push_back(fmt::format("material '{}': calibration \"{}\" gives a Young's modulus of "
+                                         "{:.6g} Pa and a Poisson's ratio of {:.4f}, not "
+                                         "the {:.6g} Pa and {:.4f} typed; \"exact\" gives these",
+                                         material.name, material.calibration, real.young, real.poisson,
+                                         material.young, material.poisson));
+  }
+}
+
 /// Turns ids that count from 0 in each body into ids that count through the scene.
 void number_through(Model& model) {
   std::uint32_t next = 0;
@@ -267,8 +285,11 @@ Model assemble(const Scene& scene) {
           if (!(material.density > 0) || !std::isfinite(material.density))
             throw Error(ExitCode::usage,
                         fmt::format("the density must be positive, not {} kg/m3", material.density));
-          return law_constants(law_from_name(material.law), material.young, material.poisson, material.split);
+          return law_constants(material);
         }));
+  for (const Material& material : scene.materials)
+    model.stretch.push_back(located(fmt::format("{}: material '{}'", scene.file.string(), material.name),
+                                    [&] { return stretch_energy(material); }));
   model.bodies.resize(scene.bodies.size());
   std::vector<BodyBuilder> builders;
   builders.reserve(scene.bodies.size());
@@ -279,6 +300,8 @@ Model assemble(const Scene& scene) {
                    [&](std::uint32_t a, std::uint32_t b) { return builders[a].law() < builders[b].law(); });
   for (const std::uint32_t b : order) builders[b].build();
   number_through(model);
+  model.bonds.strength = located(scene.file.string(), [&] { return bond_strengths(model, scene.materials); });
+  warn_of_calibration(scene, model);
   if (const std::optional<Overlap> found = overlap(model)) {
     const std::string text =
         fmt::format("{}{}: {}", scene.file.string(), scene.bodies[found->body].typed_at, found->text);

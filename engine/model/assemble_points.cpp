@@ -1,5 +1,6 @@
 // A model of one body from a list of points.
 #include "engine/core/error.h"
+#include "engine/model/anisotropy.h"
 #include "engine/model/arrange.h"
 
 #include <fmt/core.h>
@@ -33,11 +34,12 @@ Model assemble_points(const std::vector<Vector3>& points, double spacing, double
     if (!points[i].allFinite())
       throw Error(ExitCode::usage, fmt::format("the position of particle {} is not finite ({}, {}, {})", i,
                                                points[i].x(), points[i].y(), points[i].z()));
-  const Law law = law_from_name(material.law);
+  const Law law = law_of(material);
   Model model;
   model.spacing = spacing;
   model.horizon = horizon_in_spacings * spacing;
-  model.constants.push_back(law_constants(law, material.young, material.poisson, material.split));
+  model.constants.push_back(law_constants(material));
+  model.stretch.push_back(stretch_energy(material));
   BodyModel body;
   body.name = "points";
   body.origin = central_point(points);
@@ -57,6 +59,7 @@ Model assemble_points(const std::vector<Vector3>& points, double spacing, double
   particles.material.assign(points.size(), 0);
   model.bodies.push_back(std::move(body));
   append(model, 0, law, std::move(particles));
+  model.bonds.strength = bond_strengths(model, {material});
   return model;
 }
 

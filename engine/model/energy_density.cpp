@@ -2,6 +2,7 @@
 #include "engine/model/energy_density.h"
 
 #include "engine/core/error.h"
+#include "engine/model/anisotropy.h"
 #include "engine/model/moments.h"
 
 #include <Eigen/LU>
@@ -57,6 +58,18 @@ std::vector<std::array<double, 2>> gauss_legendre(unsigned order) {
   return rule;
 }
 
+/// G of every bond of a particle where a field's radial direction is across the axis.
+void strengthen(const Material& material, Neighbourhood& neighbourhood) {
+  const Anisotropy& anisotropy = material.anisotropy;
+  if (!anisotropy.given) return;
+  const Vector3 place = anisotropy.around_through + anisotropy.around_axis.unitOrthogonal();
+  const Matrix3 directions = directions_at(anisotropy, place);
+  const double mean = mean_strength(anisotropy.strengths);
+  for (const Vector3& bond : neighbourhood.bond)
+    neighbourhood.strength.push_back(
+        strength_along(bond.normalized(), directions, anisotropy.strengths, mean));
+}
+
 } // namespace
 
 Neighbourhood lattice_neighbourhood(const SimulationSettings& settings, const Material& material) {
@@ -74,10 +87,11 @@ Neighbourhood lattice_neighbourhood(const SimulationSettings& settings, const Ma
   result.weight = neighbourhood_weights(vectors, settings.weight_exponent, moment_order(law_of(material)),
                                         settings.weights == "matched")
                       .weight;
+  strengthen(material, result);
   return result;
 }
 
-Neighbourhood sphere_neighbourhood(const Material&, unsigned order) {
+Neighbourhood sphere_neighbourhood(const Material& material, unsigned order) {
   Neighbourhood result;
   const unsigned around = 2 * order;
   for (const auto& [cosine, weight] : gauss_legendre(order))
@@ -86,6 +100,7 @@ Neighbourhood sphere_neighbourhood(const Material&, unsigned order) {
       result.bond.emplace_back(sine * std::cos(angle), sine * std::sin(angle), cosine);
       result.weight.push_back(weight / 2 / around);
     }
+  strengthen(material, result);
   return result;
 }
 

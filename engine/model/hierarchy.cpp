@@ -25,8 +25,9 @@ struct Constants {
 };
 
 Constants constants_of(const Material& material) {
-  const double nu = std::min(material.poisson, 0.499);
-  return {material.young / (2 * (1 + nu)), material.young * nu / ((1 + nu) * (1 - 2 * nu))};
+  const SmallStrain real = small_strain(material);
+  const double nu = std::min(real.poisson, 0.499);
+  return {real.young / (2 * (1 + nu)), real.young * nu / ((1 + nu) * (1 - 2 * nu))};
 }
 
 Vector3 corner(int a) {

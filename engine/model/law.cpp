@@ -38,6 +38,13 @@ LawConstants law_constants(Law law, double young, double poisson, double split) 
                     poisson));
   const double shear = young / (2 * (1 + poisson));
   const double lame = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  if (law == Law::neo_hookean) {
+    constants.modulus = 3 * shear;
+    constants.coupling = 1.5 * lame / shear;
+    constants.isochoric = 2; // bonds that follow a gradient: 2 mu_L |dF|^2, beside 3 mu_L <|dY|^2 / x^2>
+    constants.bound = constants.isochoric * (1 + constants.coupling);
+    return constants;
+  }
   if (law == Law::corotated) {
     const double mu = 3 * shear, kappa = 4.5 * lame;
     constants.modulus = 2 * mu;
@@ -52,11 +59,28 @@ LawConstants law_constants(Law law, double young, double poisson, double split) 
   return constants;
 }
 
+LawConstants law_constants(const Material& material) {
+  LawConstants constants = law_constants(law_of(material), material.young, material.poisson, material.split);
+  if (material.calibration == "xu2018") {
+    constants.coupling += 0.6; // Eq. 26 has lambda_2 = (9/2) lambda_L, without -(9/2) mu_L
+    constants.bound = 1 + std::max(constants.coupling, 0.0);
+  }
+  return constants;
+}
+
 Law law_from_name(const std::string& name) {
-  for (const Law law : {Law::corotated, Law::ordinary, Law::projective})
+  for (const Law law : {Law::corotated, Law::ordinary, Law::projective, Law::basis})
     if (name == law_name(law)) return law;
   throw Error(ExitCode::usage,
-              fmt::format("there is no law \"{}\"; laws are corotated, ordinary and projective", name));
+              fmt::format("there is no law \"{}\"; laws are corotated, ordinary, projective, basis, stvk and "
+                          "neo-hookean",
+                          name));
+}
+
+Law law_of(const Material& material) {
+  if (material.law == "stvk") return Law::basis;
+  if (material.law == "neo-hookean") return material.form == "bonds" ? Law::basis : Law::neo_hookean;
+  return law_from_name(material.law);
 }
 
 const char* law_name(Law law) {
@@ -67,6 +91,10 @@ const char* law_name(Law law) {
     return "ordinary";
   case Law::projective:
     return "projective";
+  case Law::basis:
+    return "basis";
+  case Law::neo_hookean:
+    return "neo-hookean";
   }
   return "unknown";
 }

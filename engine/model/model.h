@@ -155,7 +155,11 @@ struct SlicedBonds {
 };
 SlicedBonds slice_bonds(const Model& model);
 
-/// K_i of the diagonal, N/m: sum over bonds of bound_i c_ij + bound_j c_ji.
+/// The solver's stiffness of particle i's half of the bond (i, j) over c_ij: its bound, with G_ij for the
+/// bond's own share of it.
+double bond_bound(const Model& model, std::size_t i, std::size_t bond);
+
+/// K_i of the diagonal, N/m: sum over bonds of c_ij and c_ji times their bounds.
 std::vector<double> diagonal_stiffness(const Model& model);
 
 } // namespace pliant

@@ -15,6 +15,11 @@ double own_stiffness(const Model& model, std::size_t i, std::size_t bond, double
   return model.constants[model.material[i]].modulus * model.volume[i] * model.bonds.weight[bond] / squared;
 }
 
+/// G_ij.
+double strength_of(const Bonds& bonds, std::size_t bond) {
+  return bonds.strength.empty() ? 1 : bonds.strength[bond];
+}
+
 /// m2, of a bond vector.
 double bond_squared(const GridVector& vector, double spacing) {
   const double unit = spacing / reference_grid;
@@ -50,6 +55,7 @@ SlicedBonds slice_bonds(const Model& model) {
   sliced.offset.resize(total);
   sliced.weight_out.resize(total);
   sliced.weight_in.resize(total);
+  if (!bonds.strength.empty()) sliced.strength_out = sliced.strength_in = std::vector<double>(total, 1.0);
   for (const LawRange& law : model.laws) {
     const std::uint32_t slices = (law.count + slice_width - 1) / slice_width;
 #pragma omp parallel for schedule(static)
@@ -74,11 +80,18 @@ SlicedBonds slice_bonds(const Model& model) {
           sliced.offset[at] = pack_offset(vector);
           sliced.weight_out[at] = own_stiffness(model, i, bond, squared);
           sliced.weight_in[at] = own_stiffness(model, j, bonds.reverse[bond], squared);
+          if (bonds.strength.empty()) continue;
+          sliced.strength_out[at] = bonds.strength[bond];
+          sliced.strength_in[at] = bonds.strength[bonds.reverse[bond]];
         }
       }
     }
   }
   return sliced;
+}
+
+double bond_bound(const Model& model, std::size_t i, std::size_t bond) {
+  return model.constants[model.material[i]].bound + (strength_of(model.bonds, bond) - 1);
 }
 
 std::vector<double> diagonal_stiffness(const Model& model) {
@@ -91,8 +104,8 @@ std::vector<double> diagonal_stiffness(const Model& model) {
       const std::uint32_t j = bonds.neighbour[bond];
       const double squared = bond_squared(grid[j] - grid[i], model.spacing);
       stiffness[i] +=
-          model.constants[model.material[i]].bound * own_stiffness(model, i, bond, squared) +
-          model.constants[model.material[j]].bound * own_stiffness(model, j, bonds.reverse[bond], squared);
+          bond_bound(model, i, bond) * own_stiffness(model, i, bond, squared) +
+          bond_bound(model, j, bonds.reverse[bond]) * own_stiffness(model, j, bonds.reverse[bond], squared);
     }
   return stiffness;
 }

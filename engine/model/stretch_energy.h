@@ -9,6 +9,8 @@
 
 #include "engine/model/basis.h"
 
+#include <map>
+
 namespace pliant {
 
 struct Material;
@@ -20,9 +22,13 @@ struct StretchEnergy {
   bool squared = false; ///< theta is the root of the mean square stretch
 };
 
+/// The sum that shares by name stand for, normalised. Throws Error(usage): names that are none, shares that
+/// are negative (saying where the sum would be convex) or sum to nothing, more powers than kernels hold.
+BasisSum basis_sum(const std::map<std::string, double>& shares);
+
 /// Of a material whose law is "basis", "stvk", or "neo-hookean" with form "bonds"; empty sums for the others.
-/// Throws Error(usage): shares that are negative or sum to nothing, more powers than kernels hold, energies
-/// that are not least at rest.
+/// Throws Error(usage): what basis_sum() throws, and energies that are not convex because lambda_2 is
+/// negative.
 ///   neo-hookean, bonds: h = A_1, (lambda_2 / mu_2) g = 3/5 ((lambda_L / mu_L) log2 - A_1), which is exact
 ///   for dilation and small strain.
 StretchEnergy stretch_energy(const Material& material);

@@ -2,7 +2,9 @@
 #include "engine/plan/plan.h"
 
 #include "engine/solver/contact.h"
+#include "engine/solver/elastic_law.h"
 #include "engine/solver/frame.h"
+#include "engine/solver/inversion.h"
 #include "engine/solver/multilevel.h"
 #include "engine/solver/saved_state.h"
 #include "engine/solver/state.h"
@@ -20,14 +22,6 @@ namespace {
 bool any_law(const Model& model, Law law) {
   return std::any_of(model.laws.begin(), model.laws.end(),
                      [law](const LawRange& range) { return range.law == law && range.count > 0; });
-}
-
-bool swaps_rows(const Scene& scene) {
-  const Material* last =
-      nullptr; // the simulation takes the law's settings from the last material that has it
-  for (const Material& material : scene.materials)
-    if (material.law == law_name(Law::projective)) last = &material;
-  return last && last->inversion == "swap";
 }
 
 /// Adds what each component needs; each function is one component.
@@ -121,30 +115,25 @@ public:
 
   void elasticity() {
     const std::size_t rows = bonds_.slice_begin.empty() ? 0 : bonds_.slice_begin.back() / slice_width;
-    begin("bonds", plan_.corotated || plan_.ordinary || plan_.projective);
+    begin("bonds", !laws().empty());
     buffer("slice_begin", Type::uint, bonds_.slice_begin.size());
     buffer("bond", Type::uint, 2 * slice_width * rows);
     buffer("weight", Type::real, 2 * slice_width * rows);
-    // Rows of `shape`: two of constants, nine of S (corotated), six of the inverse shape tensor (projective).
-    buffer("shape", Type::real, n_ * (plan_.corotated ? 11 : plan_.projective ? 8 : 2));
-    begin("corotated elasticity", plan_.corotated);
-    buffer("record", Type::real4, 3 * n_);
-    buffer("rotation", Type::real4, n_);
-    kernels<kernels::corotated_begin::Args, kernels::corotated_state::Args, kernels::corotated_force::Args>();
-    if (plan_.method.name == "newton") {
-      kernels<kernels::corotated_tangent::Args, kernels::corotated_product::Args>();
-      kernel(kernels::corotated_force::Args{.product = 1});
+    std::size_t shape_rows = 0;
+    for (const Law law : laws()) shape_rows = std::max(shape_rows, needs(law).shape_rows);
+    buffer("shape", Type::real, n_ * shape_rows);
+    for (const Law law : elastic_laws()) {
+      begin(std::string(law_name(law)) + " elasticity", any_law(model_, law));
+      if (!active_) continue;
+      const LawNeeds wanted = needs(law);
+      for (const BufferSpec& spec : wanted.buffers) buffer(spec.name, spec.type, spec.count);
+      for (const KernelSpec& spec : wanted.kernels) kernel({spec.info, component_, spec.options});
     }
-    begin("ordinary elasticity", plan_.ordinary);
-    buffer("extension", Type::real4, n_);
-    kernels<kernels::ordinary_state::Args, kernels::ordinary_force::Args>();
-    if (plan_.method.name == "newton")
-      kernels<kernels::ordinary_tangent::Args, kernels::ordinary_product::Args,
-              kernels::ordinary_product_force::Args>();
-    begin("projective elasticity", plan_.projective);
-    buffer("record", Type::real4, 3 * n_);
-    kernel(kernels::projective_state::Args{.swap_rows = swaps_rows(scene_)});
-    kernels<kernels::projective_force::Args>();
+    begin("inversion", resists_inversion(scene_, model_));
+    if (!active_) return;
+    const InversionNeeds wanted = inversion();
+    for (const BufferSpec& spec : wanted.buffers) buffer(spec.name, spec.type, spec.count);
+    for (const KernelSpec& spec : wanted.kernels) kernel({spec.info, component_, spec.options});
   }
 
   void contacts() {
@@ -171,12 +160,14 @@ public:
     kernels<kernels::component_motion::Args, kernels::component_apply::Args>();
     begin("energy", plan_.energy);
     buffer("energy", Type::real, n_);
-    for (const std::uint32_t gated : {0u, 1u}) { // at the end of a step, and where a line search looks at it
-      if (gated && !plan_.method.potential) continue;
-      if (plan_.corotated) kernel(kernels::corotated_energy::Args{.gated = gated});
-      if (plan_.ordinary) kernel(kernels::ordinary_energy::Args{.gated = gated});
-    }
-    if (plan_.projective) kernels<kernels::projective_energy::Args>();
+    for (const std::size_t gated : {0u, 1u}) // at the end of a step, and where a line search looks at it
+      for (const Law law : laws()) {
+        const LawNeeds wanted = needs(law);
+        if (gated < wanted.energies.size())
+          kernel({wanted.energies[gated].info, component_, wanted.energies[gated].options});
+      }
+    if (resists_inversion(scene_, model_))
+      for (const KernelSpec& spec : inversion().energies) kernel({spec.info, component_, spec.options});
     begin("statistics", plan_.statistics);
     buffer("chunk", Type::uint4, chunks.chunk.size());
     buffer("chunk_sum", Type::real4, 2 * chunks.chunk.size());
@@ -212,6 +203,22 @@ public:
   }
 
 private:
+  std::vector<Law> laws() const {
+    std::vector<Law> found;
+    for (const Law law : elastic_laws())
+      if (any_law(model_, law)) found.push_back(law);
+    return found;
+  }
+  InversionNeeds inversion() const {
+    return inversion_needs(model_, plan_.method.name == "newton", plan_.method.potential);
+  }
+  LawNeeds needs(Law law) const {
+    return law_needs(law, {.scene = scene_,
+                           .model = model_,
+                           .bonds = bonds_,
+                           .derivative = plan_.method.name == "newton",
+                           .potential = plan_.method.potential});
+  }
   void begin(const std::string& component, bool used) {
     component_ = component;
     active_ = used;

@@ -68,7 +68,7 @@ void Direct::begin(const SolveBounds& bounds) {
   const auto spring = [&](std::uint32_t i, std::uint32_t bond) {
     const LawConstants& law = model.constants[model.material[i]];
     const double x2 = (model.reference[model.bonds.neighbour[bond]] - model.reference[i]).squaredNorm();
-    return law.bound * law.modulus * model.volume[i] * model.bonds.weight[bond] / x2;
+    return bond_bound(model, i, bond) * law.modulus * model.volume[i] * model.bonds.weight[bond] / x2;
   };
   for (std::uint32_t i = 0; i < model.count(); ++i) {
     const double inertia = model.mass[i] / (step_ * step_);

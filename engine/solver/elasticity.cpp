@@ -1,290 +1,71 @@
 // Runs the kernels of each law.
 #include "engine/solver/elasticity.h"
 
+#include "engine/solver/elastic_law.h"
+#include "engine/solver/inversion.h"
 #include "engine/solver/state.h"
-#include "kernels/all.h"
 
 namespace pliant {
 
 Elasticity::Elasticity(Device& device, const Scene& scene, const Model& model, SimulationState& state)
-    : device_(device), model_(model), state_(state), particles_(static_cast<std::uint32_t>(model.count())),
-      unit_(model.spacing / reference_grid) {
-  for (const Material& material : scene.materials) {
-    if (material.law != law_name(Law::projective)) continue;
-    deviatoric_ = material.split;
-    swap_rows_ = material.inversion == "swap";
+    : device_(device), model_(model), state_(state) {
+  const auto particles = static_cast<std::uint32_t>(model.count());
+  for (const LawRange& range : model.laws)
+    laws_.push_back(
+        make_law(range.law, {device, scene, model, state, particles, model.spacing / reference_grid}));
+  if (resists_inversion(scene, model))
+    inversion_ = std::make_unique<Inversion>(device, scene, model, state);
+}
+
+Elasticity::~Elasticity() = default;
+
+void Elasticity::upload() {
+  const std::size_t n = model_.count();
+  std::vector<double> shape(2 * n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const LawConstants& constants = model_.constants[model_.material[i]];
+    const bool bonded = model_.bonds.begin[i + 1] > model_.bonds.begin[i];
+    shape[i] = bonded ? 1 / (constants.modulus * model_.volume[i]) : 0;
+    shape[n + i] = constants.coupling;
   }
+  device_.upload(state_.shape, shape);
+  for (std::size_t k = 0; k < laws_.size(); ++k) laws_[k]->upload(model_.laws[k]);
+  if (inversion_) inversion_->upload();
 }
 
 void Elasticity::begin() {
-  SimulationState& s = state_;
   device_.enter("elasticity");
-  for (const LawRange& range : model_.laws) {
-    if (range.law != Law::corotated) continue;
-    device_.run(kernels::corotated_begin::Args{.threads = range.count,
-                                               .first = range.first,
-                                               .first_slice = range.first_slice,
-                                               .stride = particles_,
-                                               .unit = unit_,
-                                               .slice_begin = s.slice_begin,
-                                               .bond = s.bond,
-                                               .weight = s.weight,
-                                               .position = s.position,
-                                               .shape = s.shape,
-                                               .linear_start = s.linear_start});
-  }
+  for (std::size_t k = 0; k < laws_.size(); ++k) laws_[k]->begin(model_.laws[k]);
 }
 
 void Elasticity::state(BufferStorage* displacement) {
-  SimulationState& s = state_;
   device_.enter("elasticity");
-  for (const LawRange& range : model_.laws) {
-    switch (range.law) {
-    case Law::corotated:
-      device_.run(kernels::corotated_state::Args{.threads = range.count,
-                                                 .first = range.first,
-                                                 .first_slice = range.first_slice,
-                                                 .stride = particles_,
-                                                 .unit = unit_,
-                                                 .slice_begin = s.slice_begin,
-                                                 .bond = s.bond,
-                                                 .weight = s.weight,
-                                                 .displacement = displacement,
-                                                 .shape = s.shape,
-                                                 .rotation = s.rotation,
-                                                 .record = s.record,
-                                                 .solver = s.solver});
-      break;
-    case Law::ordinary:
-      device_.run(kernels::ordinary_state::Args{.threads = range.count,
-                                                .first = range.first,
-                                                .first_slice = range.first_slice,
-                                                .stride = particles_,
-                                                .unit = unit_,
-                                                .slice_begin = s.slice_begin,
-                                                .bond = s.bond,
-                                                .weight = s.weight,
-                                                .position = s.position,
-                                                .displacement = displacement,
-                                                .shape = s.shape,
-                                                .extension = s.extension,
-                                                .solver = s.solver});
-      break;
-    case Law::projective:
-      device_.run(kernels::projective_state::Args{.threads = range.count,
-                                                  .swap_rows = swap_rows_,
-                                                  .first = range.first,
-                                                  .first_slice = range.first_slice,
-                                                  .stride = particles_,
-                                                  .unit = unit_,
-                                                  .slice_begin = s.slice_begin,
-                                                  .bond = s.bond,
-                                                  .weight = s.weight,
-                                                  .position = s.position,
-                                                  .displacement = displacement,
-                                                  .shape = s.shape,
-                                                  .record = s.record,
-                                                  .solver = s.solver});
-      break;
-    }
-  }
+  for (std::size_t k = 0; k < laws_.size(); ++k) laws_[k]->state(model_.laws[k], displacement);
+  if (inversion_) inversion_->state(displacement);
 }
 
 void Elasticity::force() {
-  SimulationState& s = state_;
   device_.enter("elasticity");
-  for (const LawRange& range : model_.laws) {
-    switch (range.law) {
-    case Law::corotated:
-      device_.run(kernels::corotated_force::Args{.threads = range.count,
-                                                 .first = range.first,
-                                                 .first_slice = range.first_slice,
-                                                 .unit = unit_,
-                                                 .slice_begin = s.slice_begin,
-                                                 .bond = s.bond,
-                                                 .weight = s.weight,
-                                                 .record = s.record,
-                                                 .linear_start = s.linear_start,
-                                                 .force = s.force,
-                                                 .solver = s.solver});
-      break;
-    case Law::ordinary:
-      device_.run(kernels::ordinary_force::Args{.threads = range.count,
-                                                .first = range.first,
-                                                .first_slice = range.first_slice,
-                                                .unit = unit_,
-                                                .slice_begin = s.slice_begin,
-                                                .bond = s.bond,
-                                                .weight = s.weight,
-                                                .position = s.position,
-                                                .extension = s.extension,
-                                                .linear_start = s.linear_start,
-                                                .force = s.force,
-                                                .solver = s.solver});
-      break;
-    case Law::projective:
-      device_.run(kernels::projective_force::Args{.threads = range.count,
-                                                  .first = range.first,
-                                                  .first_slice = range.first_slice,
-                                                  .unit = unit_,
-                                                  .deviatoric = deviatoric_,
-                                                  .slice_begin = s.slice_begin,
-                                                  .bond = s.bond,
-                                                  .weight = s.weight,
-                                                  .position = s.position,
-                                                  .record = s.record,
-                                                  .linear_start = s.linear_start,
-                                                  .force = s.force,
-                                                  .solver = s.solver});
-      break;
-    }
-  }
+  for (std::size_t k = 0; k < laws_.size(); ++k) laws_[k]->force(model_.laws[k]);
+  if (inversion_) inversion_->force();
 }
 
 void Elasticity::energy(BufferStorage* displacement, bool gated) {
-  SimulationState& s = state_;
   device_.enter(gated ? "elasticity" : "statistics");
-  for (const LawRange& range : model_.laws) {
-    switch (range.law) {
-    case Law::corotated:
-      device_.run(
-          kernels::corotated_energy::Args{.threads = range.count,
-                                          .gated = gated,
-                                          .first = range.first,
-                                          .first_slice = range.first_slice,
-                                          .stride = particles_,
-                                          .unit = unit_,
-                                          .gate = gated ? static_cast<BufferStorage*>(s.solver) : nullptr,
-                                          .slice_begin = s.slice_begin,
-                                          .bond = s.bond,
-                                          .weight = s.weight,
-                                          .position = s.position,
-                                          .displacement = displacement,
-                                          .shape = s.shape,
-                                          .rotation = s.rotation,
-                                          .energy = s.energy});
-      break;
-    case Law::ordinary:
-      device_.run(
-          kernels::ordinary_energy::Args{.threads = range.count,
-                                         .gated = gated,
-                                         .first = range.first,
-                                         .first_slice = range.first_slice,
-                                         .stride = particles_,
-                                         .unit = unit_,
-                                         .gate = gated ? static_cast<BufferStorage*>(s.solver) : nullptr,
-                                         .slice_begin = s.slice_begin,
-                                         .bond = s.bond,
-                                         .weight = s.weight,
-                                         .position = s.position,
-                                         .displacement = displacement,
-                                         .shape = s.shape,
-                                         .energy = s.energy});
-      break;
-    case Law::projective:
-      device_.run(
-          kernels::projective_energy::Args{.threads = range.count,
-                                           .gated = gated,
-                                           .first = range.first,
-                                           .first_slice = range.first_slice,
-                                           .unit = unit_,
-                                           .deviatoric = deviatoric_,
-                                           .gate = gated ? static_cast<BufferStorage*>(s.solver) : nullptr,
-                                           .slice_begin = s.slice_begin,
-                                           .bond = s.bond,
-                                           .weight = s.weight,
-                                           .position = s.position,
-                                           .record = s.record,
-                                           .energy = s.energy});
-      break;
-    }
-  }
+  for (std::size_t k = 0; k < laws_.size(); ++k) laws_[k]->energy(model_.laws[k], displacement, gated);
+  if (inversion_) inversion_->energy(displacement, gated);
 }
 
 void Elasticity::tangent(BufferStorage* displacement) {
-  SimulationState& s = state_;
   device_.enter("elasticity");
-  for (const LawRange& range : model_.laws) {
-    if (range.law == Law::corotated)
-      device_.run(kernels::corotated_tangent::Args{.threads = range.count,
-                                                   .first = range.first,
-                                                   .first_slice = range.first_slice,
-                                                   .stride = particles_,
-                                                   .unit = unit_,
-                                                   .slice_begin = s.slice_begin,
-                                                   .bond = s.bond,
-                                                   .weight = s.weight,
-                                                   .displacement = displacement,
-                                                   .shape = s.shape,
-                                                   .rotation = s.rotation,
-                                                   .solver = s.solver,
-                                                   .tangent = s.tangent});
-    if (range.law == Law::ordinary)
-      device_.run(kernels::ordinary_tangent::Args{.threads = range.count,
-                                                  .first = range.first,
-                                                  .position = s.position,
-                                                  .extension = s.extension,
-                                                  .solver = s.solver,
-                                                  .tangent = s.tangent});
-  }
+  for (std::size_t k = 0; k < laws_.size(); ++k) laws_[k]->tangent(model_.laws[k], displacement);
+  if (inversion_) inversion_->tangent();
 }
 
 void Elasticity::product(BufferStorage* direction) {
-  SimulationState& s = state_;
   device_.enter("elasticity");
-  for (const LawRange& range : model_.laws) {
-    if (range.law == Law::corotated) {
-      device_.run(kernels::corotated_product::Args{.threads = range.count,
-                                                   .first = range.first,
-                                                   .first_slice = range.first_slice,
-                                                   .unit = unit_,
-                                                   .slice_begin = s.slice_begin,
-                                                   .bond = s.bond,
-                                                   .weight = s.weight,
-                                                   .direction = direction,
-                                                   .tangent = s.tangent,
-                                                   .solver = s.solver,
-                                                   .record = s.record});
-      device_.run(kernels::corotated_force::Args{.threads = range.count,
-                                                 .product = 1,
-                                                 .first = range.first,
-                                                 .first_slice = range.first_slice,
-                                                 .unit = unit_,
-                                                 .slice_begin = s.slice_begin,
-                                                 .bond = s.bond,
-                                                 .weight = s.weight,
-                                                 .record = s.record,
-                                                 .linear_start = s.linear_start,
-                                                 .force = s.force,
-                                                 .solver = s.solver});
-    }
-    if (range.law == Law::ordinary) {
-      device_.run(kernels::ordinary_product::Args{.threads = range.count,
-                                                  .first = range.first,
-                                                  .first_slice = range.first_slice,
-                                                  .stride = particles_,
-                                                  .unit = unit_,
-                                                  .slice_begin = s.slice_begin,
-                                                  .bond = s.bond,
-                                                  .weight = s.weight,
-                                                  .tangent = s.tangent,
-                                                  .direction = direction,
-                                                  .shape = s.shape,
-                                                  .solver = s.solver,
-                                                  .extension = s.extension});
-      device_.run(kernels::ordinary_product_force::Args{.threads = range.count,
-                                                        .first = range.first,
-                                                        .first_slice = range.first_slice,
-                                                        .unit = unit_,
-                                                        .slice_begin = s.slice_begin,
-                                                        .bond = s.bond,
-                                                        .weight = s.weight,
-                                                        .tangent = s.tangent,
-                                                        .extension = s.extension,
-                                                        .solver = s.solver,
-                                                        .force = s.force});
-    }
-  }
+  for (std::size_t k = 0; k < laws_.size(); ++k) laws_[k]->product(model_.laws[k], direction);
+  if (inversion_) inversion_->product(direction);
 }
 
 } // namespace pliant

@@ -1,4 +1,5 @@
-// Elastic bodies in one place: which kernels each law runs, in the order of a solve.
+// Elastic bodies in one place: every range of particles runs the kernels of its law (elastic_law.h), in the
+// order of a solve.
 //
 //   begin     once a step: what the solve keeps of the positions at its start
 //   state     local step: Y*, or R and theta, of every neighbourhood (He, Wang and Wu 2017, Eqs. 4, 10, 11)
@@ -11,15 +12,26 @@
 #include "engine/device/device.h"
 #include "engine/model/model.h"
 
+#include <memory>
+#include <vector>
+
 namespace pliant {
 
+class ElasticLaw;
+class Inversion;
 struct Scene;
 struct SimulationState;
 
 class Elasticity {
 public:
-  /// All must outlive it. `unit`: m, of packed bond vectors.
+  /// All must outlive it.
   Elasticity(Device& device, const Scene& scene, const Model& model, SimulationState& state);
+  ~Elasticity();
+  Elasticity(const Elasticity&) = delete;
+  Elasticity& operator=(const Elasticity&) = delete;
+
+  /// Once: the laws' constants of every particle.
+  void upload();
 
   void begin();
   /// At y_n + displacement; leaves what force(), energy() and tangent() read.
@@ -27,23 +39,17 @@ public:
   void force();
   /// `gated`: nothing where the solver has nothing to evaluate.
   void energy(BufferStorage* displacement, bool gated = false);
-  /// Corotated and ordinary laws, of the iterate that state() saw last.
+  /// Of laws with a potential, of the iterate that state() saw last.
   void tangent(BufferStorage* displacement);
   /// df/du times `direction` into the buffer `force`.
   void product(BufferStorage* direction);
-
-  double unit() const { return unit_; }
-  /// Share of the deviatoric term, and the paper's row swap: projective law.
-  double deviatoric() const { return deviatoric_; }
-  bool swaps_rows() const { return swap_rows_; }
 
 private:
   Device& device_;
   const Model& model_;
   SimulationState& state_;
-  std::uint32_t particles_ = 0;
-  double unit_ = 0, deviatoric_ = 0;
-  bool swap_rows_ = false;
+  std::vector<std::unique_ptr<ElasticLaw>> laws_; ///< of each of the model's ranges
+  std::unique_ptr<Inversion> inversion_;          ///< null where no material asks for it
 };
 
 } // namespace pliant

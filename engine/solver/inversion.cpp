@@ -80,6 +80,7 @@ void Inversion::upload() {
 
 void Inversion::state(BufferStorage* displacement) {
   const SimulationState& s = state_;
+  device_.enter("inversion");
   for (const LawRange& range : ranges_)
     device_.run(kernels::inversion_state::Args{.threads = range.count,
                                                .first = range.first,

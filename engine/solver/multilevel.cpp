@@ -24,7 +24,7 @@ constexpr double relaxation = 0.38;
 
 bool rotates(const Model& model) {
   for (const LawRange& range : model.laws)
-    if (range.law == Law::corotated && range.count > 0) return true;
+    if ((range.law == Law::corotated || range.law == Law::neo_hookean) && range.count > 0) return true;
   return false;
 }
 

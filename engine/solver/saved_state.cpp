@@ -14,7 +14,7 @@ const std::vector<std::string>& persistent_buffers() {
       "position",         // with the mass
       "velocity",         // with the share of gravity that was felt
       "origin",           // of bodies: moved every so many steps
-      "rotation",         // corotated law: where the next polar decomposition starts
+      "rotation",         // corotated and neo-Hookean laws: where the next polar decomposition starts
       "earlier_velocity", // BDF2
       "earlier_shift",    // BDF2
   };

@@ -12,8 +12,6 @@
 #include "engine/solver/stiffness.h"
 #include "kernels/all.h"
 
-#include <Eigen/Eigenvalues>
-
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -109,7 +107,7 @@ void Simulation::upload(const SlicedBonds& bonds) {
   const std::vector<double> stiffness = diagonal_stiffness(model_);
   for (std::size_t i = 0; i < n; ++i) rows[i] = {0, 0, 0, stiffness[i]};
   device_.upload(s.linear_start, rows);
-  if (plan_.corotated) {
+  if (plan_.find("rotation")) {
     for (std::size_t i = 0; i < n; ++i) {
       const Eigen::Quaterniond q(model_.bodies[model_.body[i]].axes);
       rows[i] = {q.x(), q.y(), q.z(), q.w()};
@@ -131,47 +129,9 @@ void Simulation::upload(const SlicedBonds& bonds) {
   device_.upload(s.slice_begin, begins);
   device_.upload(s.bond, packed);
   device_.upload(s.weight, weights);
-  upload_shapes();
+  elasticity_->upload();
   if (s.chunk) device_.write(s.chunk, 0, std::as_bytes(std::span(chunks_.chunk)));
   if (plan_.momentum) device_.write(s.component, 0, std::as_bytes(std::span(chunks_.component)));
-}
-
-void Simulation::upload_shapes() {
-  const std::size_t n = model_.count();
-  std::vector<double> shape(2 * n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const LawConstants& constants = model_.constants[model_.material[i]];
-    const bool bonded = model_.bonds.begin[i + 1] > model_.bonds.begin[i];
-    shape[i] = bonded ? 1 / (constants.modulus * model_.volume[i]) : 0;
-    shape[n + i] = constants.coupling;
-  }
-  device_.upload(state_->shape, shape);
-  if (!plan_.projective) return;
-  // Rows 2 to 7 of the projective law: pseudo-inverse of sum c x^2 xi (x) xi, cut at 1e-4 of its trace.
-  for (const LawRange& range : model_.laws) {
-    if (range.law != Law::projective) continue;
-    std::vector<double> rows(6 * std::size_t{range.count});
-    for (std::uint32_t local = 0; local < range.count; ++local) {
-      const std::uint32_t i = range.first + local;
-      const double modulus = model_.constants[model_.material[i]].modulus * model_.volume[i];
-      Matrix3 tensor = Matrix3::Zero();
-      for (std::uint32_t b = model_.bonds.begin[i]; b < model_.bonds.begin[i + 1]; ++b) {
-        const Vector3 xi = model_.reference[model_.bonds.neighbour[b]] - model_.reference[i];
-        tensor += modulus * model_.bonds.weight[b] * xi * xi.transpose();
-      }
-      const Eigen::SelfAdjointEigenSolver<Matrix3> eigen(tensor);
-      Vector3 values = eigen.eigenvalues();
-      const double cut = 1e-4 * values.sum();
-      for (double& value : values) value = value > cut && value > 0 ? 1 / value : 0;
-      const Matrix3 inverse = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
-      const double six[] = {inverse(0, 0), inverse(0, 1), inverse(0, 2),
-                            inverse(1, 1), inverse(1, 2), inverse(2, 2)};
-      for (std::size_t r = 0; r < 6; ++r) rows[r * range.count + local] = six[r];
-    }
-    for (std::size_t r = 0; r < 6; ++r)
-      device_.upload(state_->shape, std::span(rows).subspan(r * range.count, range.count),
-                     (r + 2) * n + range.first);
-  }
 }
 
 void Simulation::choose_step(double step) {
@@ -265,7 +225,7 @@ Snapshot Simulation::snapshot() {
       state.earlier_velocity.push_back(unpack(v));
     for (const Real4d& v : device_.download_real4(s.earlier_shift)) state.earlier_shift.push_back(unpack(v));
   }
-  if (plan_.corotated) state.rotation = device_.download_real4(s.rotation);
+  if (plan_.find("rotation")) state.rotation = device_.download_real4(s.rotation);
   return state;
 }
 
@@ -291,7 +251,7 @@ void Simulation::restore(const Snapshot& state) {
     for (std::size_t i = 0; i < n; ++i) rows[i] = pack(state.earlier_shift[i]);
     device_.upload(s.earlier_shift, rows);
   }
-  if (plan_.corotated && !state.rotation.empty()) device_.upload(s.rotation, state.rotation);
+  if (plan_.find("rotation") && !state.rotation.empty()) device_.upload(s.rotation, state.rotation);
   if (plan_.held) held_count_ = ~0u; // whoever is held at the new time is sent again
 }
 

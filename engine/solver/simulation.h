@@ -126,7 +126,6 @@ private:
 
   void allocate();
   void upload(const SlicedBonds& bonds);
-  void upload_shapes();
   void begin_step();
   void choose_step(double step);
   void gather_held(double time);

@@ -110,7 +110,6 @@ private:
   void upload() {
     const std::size_t n = model_.count();
     std::vector<Real4<double>> position(n), linear(n), rotation(n), target(n), origin;
-    std::vector<double> shape(2 * n);
     const std::vector<double> stiffness = diagonal_stiffness(model_);
     for (const BodyModel& body : model_.bodies)
       origin.push_back({body.origin.x(), body.origin.y(), body.origin.z(), 1});
@@ -122,16 +121,12 @@ private:
       linear[i] = {0, 0, 0, stiffness[i]};
       rotation[i] = {q.x(), q.y(), q.z(), q.w()};
       target[i] = {0, 0, 0, held_[i] ? -1 : inertia(i)};
-      const LawConstants& constants = model_.constants[model_.material[i]];
-      if (model_.bonds.begin[i + 1] > model_.bonds.begin[i])
-        shape[i] = 1 / (constants.modulus * model_.volume[i]);
-      shape[n + i] = constants.coupling;
     }
     device_.upload(state_.position, position);
     device_.upload(state_.linear_start, linear);
     device_.upload(state_.inertia_target, target);
-    if (plan.corotated) device_.upload(state_.rotation, rotation);
-    device_.upload(state_.shape, shape);
+    if (plan.find("rotation")) device_.upload(state_.rotation, rotation);
+    elasticity_.upload();
     device_.upload(state_.origin, origin);
     device_.upload(state_.owner, model_.body);
     const SlicedBonds bonds = slice_bonds(model_);
