@@ -5,6 +5,7 @@
 #include "engine/model/arrange.h"
 #include "engine/model/checks.h"
 #include "engine/model/initial_state.h"
+#include "engine/model/shape_tensor.h"
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>
@@ -300,6 +301,7 @@ Model assemble(const Scene& scene) {
                    [&](std::uint32_t a, std::uint32_t b) { return builders[a].law() < builders[b].law(); });
   for (const std::uint32_t b : order) builders[b].build();
   number_through(model);
+  require_solid(scene, model);
   model.bonds.strength = located(scene.file.string(), [&] { return bond_strengths(model, scene.materials); });
   warn_of_calibration(scene, model);
   if (const std::optional<Overlap> found = overlap(model)) {

@@ -19,6 +19,10 @@ inline constexpr double shape_cutoff = 1e-3;
 /// Of particle i.
 ShapeTensor shape_tensor(const Model& model, std::uint32_t i);
 
+/// Laws that need a deformation gradient in all three directions: throws Error(usage) for a body of such a law
+/// with particles whose bonds lie in a plane or along a line. Particles without bonds fly free.
+void require_solid(const Scene& scene, const Model& model);
+
 /// Six of a symmetric matrix, in the order xx xy xz yy yz zz.
 inline std::array<double, 6> symmetric_six(const Matrix3& m) {
   return {m(0, 0), m(0, 1), m(0, 2), m(1, 1), m(1, 2), m(2, 2)};

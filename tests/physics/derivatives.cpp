@@ -67,7 +67,7 @@ std::vector<Vector3> difference(SolveRig& rig, const std::vector<Vector3>& u, co
 
 TEST(Derivatives, OfElasticForces) {
   const auto device = open_double();
-  for (const char* law : {"corotated", "ordinary"})
+  for (const char* law : {"corotated", "ordinary", "neo-hookean"})
     for (const double poisson : {0.0, 0.25, 0.45}) {
       const Stage stage = floating(law, poisson);
       SolveRig rig(*device, stage.scene, stage.model);
@@ -100,7 +100,7 @@ TEST(Derivatives, OfElasticForces) {
 // A rigid motion costs nothing at rest: the derivative knows no spurious stiffness.
 TEST(Derivatives, RigidMotionsAtRest) {
   const auto device = open_double();
-  for (const char* law : {"corotated", "ordinary"}) {
+  for (const char* law : {"corotated", "ordinary", "neo-hookean"}) {
     const Stage stage = floating(law, 0.3);
     SolveRig rig(*device, stage.scene, stage.model);
     rig.forces(std::vector<Vector3>(stage.model.count(), Vector3::Zero()));
@@ -134,8 +134,9 @@ double least_eigenvalue(SolveRig& rig, std::size_t n) {
 // A crushed body may buckle: its derivative is indefinite. The convex one is not, whatever the state.
 TEST(Derivatives, ConvexOnesAreNotNegative) {
   const auto device = open_double();
-  for (const double poisson : {0.0, 0.25, 0.45}) {
-    const Stage stage = floating("corotated", poisson);
+  for (const auto& [law, poisson] : {std::pair{"corotated", 0.0}, {"corotated", 0.25}, {"corotated", 0.45},
+                                     {"neo-hookean", 0.0}, {"neo-hookean", 0.45}}) {
+    const Stage stage = floating(law, poisson);
     SolveRig rig(*device, stage.scene, stage.model);
     const std::size_t n = stage.model.count();
     const std::vector<Vector3> u =
@@ -145,7 +146,7 @@ TEST(Derivatives, ConvexOnesAreNotNegative) {
     rig.convex = true;
     rig.forces(u);
     const double convex = least_eigenvalue(rig, n);
-    report("crushed, ratio " + std::to_string(poisson).substr(0, 4) + ": least eigenvalue over largest",
+    report(std::string(law) + " crushed, ratio " + std::to_string(poisson).substr(0, 4) + ": least eigenvalue over largest",
            exact);
     EXPECT_LT(exact, -1e-2);
     report("  kept positive", convex);
@@ -226,7 +227,7 @@ double potential_error(const Scene& scene, const Model& model, const std::vector
 }
 
 TEST(Potential, GradientOfInertiaAndElasticity) {
-  for (const char* law : {"corotated", "ordinary"}) {
+  for (const char* law : {"corotated", "ordinary", "neo-hookean"}) {
     Stage stage(lattice(5, 4, 4, spacing), spacing, material_of(law, 1e5, 0.3), 1. / 60);
     stage.scene.solver.method = "newton";
     stage.scene.simulation.gravity = {0, -9.81, 1};

@@ -58,16 +58,17 @@ Points deformed(const Points& rest, const State& state, unsigned seed) {
   return y;
 }
 
-TEST(Gradients, CorotatedForceIsTheGradientInEveryState) {
+TEST(Gradients, CorotatedAndNeoHookeanForcesAreTheGradientInEveryState) {
   const auto device = open_double();
-  for (const double poisson : {0.0, 0.3, 0.45}) {
-    Stage stage(lattice(6, 5, 4, spacing), spacing, material_of("corotated", 1e5, poisson), 1. / 60);
-    Simulation simulation(*device, stage.scene, stage.model);
-    const Points rest = simulation.positions();
-    for (const State& state : states())
-      expect_below(std::string("corotated, ") + std::to_string(poisson).substr(0, 4) + ", " + state.name,
-                   gradient_error(simulation, deformed(rest, state, 11), 5), 1e-7);
-  }
+  for (const char* law : {"corotated", "neo-hookean"})
+    for (const double poisson : {0.0, 0.3, 0.45}) {
+      Stage stage(lattice(6, 5, 4, spacing), spacing, material_of(law, 1e5, poisson), 1. / 60);
+      Simulation simulation(*device, stage.scene, stage.model);
+      const Points rest = simulation.positions();
+      for (const State& state : states())
+        expect_below(law + (", " + std::to_string(poisson).substr(0, 4)) + ", " + state.name,
+                     gradient_error(simulation, deformed(rest, state, 11), 5), 1e-7);
+    }
 }
 
 TEST(Gradients, OrdinaryForceIsTheGradient) {
@@ -137,7 +138,7 @@ class Balance : public OnEachDevice {};
 // Float: each bond's force is rounded once at either end, and each particle's sum at its own size.
 TEST_P(Balance, ForcesSumToZeroAndTorquesToo) {
   const auto open = device();
-  for (const char* law : {"corotated", "ordinary", "projective"}) {
+  for (const char* law : {"corotated", "ordinary", "projective", "neo-hookean"}) {
     Stage stage(lattice(6, 5, 4, spacing), spacing, material_of(law, 1e5, 0.3), 1. / 60);
     Simulation simulation(*open, stage.scene, stage.model);
     const Points y = deformed(simulation.positions(), {"", Matrix3::Identity(), 0.3}, 3);

@@ -6,6 +6,8 @@
 // strain (|y| <= 1.5 m, spacing 0.1 m), 2e-4 of the strain of 1e-2 used there; the slow modes, in which such
 // errors collect, amplify it by at most a few times: 5e-3 is asked for. The corotated law is linear in
 // tension, so the strain does not matter.
+#include "engine/model/energy_density.h"
+#include "engine/report/stress_curve.h"
 #include "tests/support/bodies.h"
 
 namespace pliant::test {
@@ -15,6 +17,7 @@ constexpr double spacing = 0.1, young = 2e5;
 
 struct Measured {
   double young = 0, poisson = 0, rest = 0; // young: relative to what was typed
+  double strain = 0;                       // of the middle
 };
 
 Measured pull(Device& device, const std::string& law, int length, int layers, double poisson, double strain) {
@@ -40,7 +43,7 @@ Measured pull(Device& device, const std::string& law, int length, int layers, do
   }
   const double e = along / along2, area = layers * spacing * layers * spacing;
   return {pulled / area / e / young, -across / across2 / e,
-          largest(simulation.velocities()) * 0.05 / (e * length * spacing)};
+          largest(simulation.velocities()) * 0.05 / (std::abs(e) * length * spacing), e};
 }
 
 class Tension : public OnEachDevice {};
@@ -71,6 +74,40 @@ TEST_P(Tension, OrdinaryBarReturnsWhatWasTyped) {
     expect_below(name + ": |E / E0 - 1|", std::abs(bar.young - 1), limit(0.01, 0.015));
     expect_below(name + ": |nu - nu0|", std::abs(bar.poisson - poisson), limit(0.005, 0.01));
   }
+}
+
+// The exact neo-Hookean law, near rest, where its curve bends by 1.5 of the strain.
+TEST(NeoHookeanTension, BarReturnsWhatWasTyped) {
+  const auto open = open_double();
+  for (const int layers : {3, 5})
+    for (const double poisson : layers == 3 ? std::vector<double>{0.0, 0.25, 0.45} : std::vector<double>{0.4}) {
+      const Measured bar = pull(*open, "neo-hookean", 30, layers, poisson, 1e-4);
+      const std::string name = "neo-hookean, n = " + std::to_string(layers) + ", ratio " +
+                               std::to_string(poisson).substr(0, 4);
+      expect_below(name + ": |E / E0 - 1|", std::abs(bar.young - 1), 0.002);
+      expect_below(name + ": |nu - nu0|", std::abs(bar.poisson - poisson), 0.002);
+    }
+}
+
+// Far from rest, at 0.8 and 1.2 of its length: the stress and the thickness of the homogeneous test at the stretch that
+// the middle has, found without the engine.
+TEST(NeoHookeanTension, BarFollowsItsCurve) {
+  const auto open = open_double();
+  for (const double poisson : {0.25, 0.4})
+    for (const double strain : {-0.2, 0.2}) {
+      const Measured bar = pull(*open, "neo-hookean", 24, 3, poisson, strain);
+      const EnergyDensity density(material_of("neo-hookean", young, poisson),
+                                  {{Vector3(1, 0, 0)}, {1.0}, {}}); // any neighbourhood: it follows F
+      const double s = 1 + bar.strain;
+      const StressPoint wanted = stress_points(
+          StressTest::uniaxial, [&](const Matrix3& f) { return density.stress(f); }, {s}, young)[0];
+      const std::string name = "neo-hookean at s = " + std::to_string(s).substr(0, 6) + ", ratio " +
+                               std::to_string(poisson).substr(0, 4);
+      expect_below(name + ": |stress / wanted - 1|",
+                   std::abs(bar.young * young * bar.strain / wanted.stress - 1), 0.005);
+      expect_below(name + ": |thickness - wanted|", std::abs(1 - bar.poisson * bar.strain - wanted.lateral),
+                   0.002);
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Physics, Tension, testing::ValuesIn(device_choices()), ChoiceName());

@@ -91,7 +91,7 @@ Truth expect_truth(const DeviceChoice& choice, const PlanScene& made, const std:
 }
 
 TEST_P(PlanTruth, ElasticOnly) {
-  for (const char* law : {"corotated", "ordinary", "projective"}) {
+  for (const char* law : {"corotated", "ordinary", "projective", "neo-hookean"}) {
     const Truth truth = expect_truth(GetParam(), elastic_only(law), law);
     EXPECT_EQ(truth.plan.used, (std::vector<std::string>{"motion", "solver", "stationary iteration", "bonds",
                                                          std::string(law) + " elasticity"}));
@@ -100,6 +100,30 @@ TEST_P(PlanTruth, ElasticOnly) {
       EXPECT_NE(std::find(used.begin(), used.end(), buffer.component), used.end()) << buffer.name;
     }
   }
+}
+
+// Only materials that ask to be pushed out of inverted states have buffers and kernels for it.
+TEST_P(PlanTruth, InversionAddsOnlyItsOwn) {
+  for (const char* law : {"ordinary", "neo-hookean"})
+    for (const char* method : {"chebyshev", "newton"}) {
+      PlanScene made = elastic_only(law);
+      made.scene.solver.method = method;
+      made.scene.solver.preconditioner = "diagonal";
+      made.request.statistics = true;
+      const Truth plain = expect_truth(GetParam(), made, std::string(law) + ", " + method);
+      for (const std::string& name : plain.plan.used) EXPECT_NE(name, "inversion");
+      made.scene.materials[0].inversion = "clamp";
+      const Truth pushed = expect_truth(GetParam(), made, std::string(law) + ", pushed back, " + method);
+      const bool newton = std::string(method) == "newton";
+      Names buffers{"inversion", "inversion_shape"}, kernels;
+      if (newton) buffers.insert("inverted");
+      EXPECT_EQ(difference(pushed.allocated, plain.allocated), buffers);
+      EXPECT_TRUE(difference(plain.allocated, pushed.allocated).empty());
+      for (const std::string& name : difference(pushed.dispatched, plain.dispatched))
+        EXPECT_EQ(name.rfind("inversion_", 0), 0u) << name;
+      EXPECT_TRUE(difference(plain.dispatched, pushed.dispatched).empty());
+      EXPECT_EQ(difference(pushed.dispatched, plain.dispatched).size(), newton ? 7u : 3u);
+    }
 }
 
 TEST_P(PlanTruth, EachComponentAddsOnlyItsOwn) {
