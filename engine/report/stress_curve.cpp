@@ -126,7 +126,7 @@ std::vector<StressPoint> stress_points(StressTest test, const StressFunction& st
     Free free = Free::Ones(test == StressTest::uniaxial ? 2 : 1);
     bool found = true;
     for (const std::size_t k : order) {
-      if (stretches[k] > 1 != longer) continue;
+      if ((stretches[k] > 1) != longer) continue;
       const auto parts = static_cast<int>(std::ceil(std::abs(stretches[k] - s) / continuation));
       const double start = s;
       for (int part = 1; found && part <= parts; ++part)

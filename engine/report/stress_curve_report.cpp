@@ -97,13 +97,14 @@ Plot plot_of(const StressCurveReport& report, const MaterialCurves& material) {
   for (std::size_t c = 0; c < material.curves.size(); ++c) {
     const StressCurve& curve = material.curves[c];
     const std::string name = stress_test_name(curve.test);
-    const auto shape = static_cast<unsigned>(c);
-    const Colour colour = colours[c % std::size(colours)];
-    add(name + ", lattice", curve.lattice, {.colour = colour, .shape = shape, .line = false}, true);
-    add(name + ", continuum", curve.continuum, {.colour = colour, .markers = false}, true);
-    if (!curve.closed.empty())
-      add(name + ", " + material.closed_name, curve.closed, {.colour = colour, .markers = false, .dashed = 1},
-          false);
+    SeriesStyle points, line, dashes;
+    points.colour = line.colour = dashes.colour = colours[c % std::size(colours)];
+    points.shape = static_cast<unsigned>(c);
+    points.line = line.markers = dashes.markers = false;
+    dashes.dashed = 1;
+    add(name + ", lattice", curve.lattice, points, true);
+    add(name + ", continuum", curve.continuum, line, true);
+    if (!curve.closed.empty()) add(name + ", " + material.closed_name, curve.closed, dashes, false);
   }
   // A closed formula that runs away would leave nothing to see of the rest.
   plot.y_range = {low - 0.3 * (high - low), high + 0.3 * (high - low)};
