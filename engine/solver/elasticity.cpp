@@ -7,11 +7,10 @@
 namespace pliant {
 
 Elasticity::Elasticity(Device& device, const Scene& scene, const Model& model, SimulationState& state)
-    : device_(device), model_(model), state_(state) {
+    : device_(device), model_(model), state_(state), unit_(model.spacing / reference_grid) {
   const auto particles = static_cast<std::uint32_t>(model.count());
   for (const LawRange& range : model.laws)
-    laws_.push_back(
-        make_law(range.law, {device, scene, model, state, particles, model.spacing / reference_grid}));
+    laws_.push_back(make_law(range.law, {device, scene, model, state, particles, unit_}));
 }
 
 Elasticity::~Elasticity() = default;
