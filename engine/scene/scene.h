@@ -62,7 +62,7 @@ struct Material {
   std::string model = "elastic";
   std::string law = "corotated"; ///< "corotated" M4, "ordinary" M2, "projective" M1; of Xu et al. (2018):
                                  ///< "basis", "stvk", "neo-hookean"
-  std::string form; ///< "stvk", "neo-hookean": "exact" or "bonds"; empty: the law's default
+  std::string form;              ///< "stvk", "neo-hookean": "exact" or "bonds"; empty: the law's default
   std::map<std::string, double> volume_basis,
       bond_basis;                    ///< "basis" only: shares of g and h, such as "A4": 0.5
   std::string calibration = "exact"; ///< "basis", "stvk": or "xu2018" (Eq. 26)

@@ -95,6 +95,7 @@ void check_shape(const TomlValue& value, Shape& shape, const std::string& path, 
 
 void check_material(const TomlValue& value, Material& material, const std::string& path, Findings& findings) {
   material.color_given = value.find("color") != nullptr;
+  check_basis_law(value, material, path, findings);
   if (material.law == "projective") {
     const TomlValue* poisson = value.find("poisson");
     if (!poisson)
@@ -228,6 +229,8 @@ void check_table(const schema::Table& table, const TomlValue& value, void* objec
     check_shape(value, *static_cast<Shape*>(object), path, findings);
   } else if (&table == &schema::material_table()) {
     check_material(value, *static_cast<Material*>(object), path, findings);
+  } else if (&table == &schema::anisotropy_table()) {
+    check_directions(value, *static_cast<Anisotropy*>(object), path, findings);
   } else if (&table == &schema::moved_table()) {
     check_moved(value, static_cast<Condition*>(object)->motion, path, findings);
   } else if (&table == &schema::loaded_table()) {
