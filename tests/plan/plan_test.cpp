@@ -91,7 +91,7 @@ Truth expect_truth(const DeviceChoice& choice, const PlanScene& made, const std:
 }
 
 TEST_P(PlanTruth, ElasticOnly) {
-  for (const char* law : {"corotated", "ordinary", "projective"}) {
+  for (const char* law : {"corotated", "ordinary", "projective", "basis"}) {
     const Truth truth = expect_truth(GetParam(), elastic_only(law), law);
     EXPECT_EQ(truth.plan.used, (std::vector<std::string>{"motion", "solver", "stationary iteration", "bonds",
                                                          std::string(law) + " elasticity"}));
@@ -99,6 +99,30 @@ TEST_P(PlanTruth, ElasticOnly) {
       const auto& used = truth.plan.used;
       EXPECT_NE(std::find(used.begin(), used.end(), buffer.component), used.end()) << buffer.name;
     }
+  }
+}
+
+// Directions cost their strengths, and nothing where there are none; no other law has anything of this one.
+TEST_P(PlanTruth, DirectionsAddTheirStrengthsOnly) {
+  for (const char* method : {"chebyshev", "newton"}) {
+    PlanScene plain = elastic_only("basis"), strong = elastic_only("basis");
+    strong.scene.materials[0].anisotropy.given = true;
+    strong.scene.materials[0].anisotropy.strengths = {2, 0.5, 1};
+    strong.model = assemble_points(lattice_box(4, 4, 5, 0.02), 0.02, 1.87, strong.scene.materials[0], 8e-6);
+    strong.model.velocity = plain.model.velocity;
+    plain.scene.solver.method = strong.scene.solver.method = method;
+    const Truth without = expect_truth(GetParam(), plain, "isotropic"),
+                with = expect_truth(GetParam(), strong, "directions");
+    EXPECT_EQ(difference(with.allocated, without.allocated), Names{"strength"});
+    EXPECT_EQ(difference(without.allocated, with.allocated), Names{});
+    EXPECT_EQ(with.plan.used, without.plan.used);
+    PlanScene other = elastic_only("ordinary");
+    other.scene.solver.method = method;
+    const Truth ordinary = expect_truth(GetParam(), other, "ordinary");
+    for (const char* name : {"stretch_record", "energies", "strength"})
+      EXPECT_FALSE(ordinary.plan.find(name)) << name;
+    for (const std::string& name : kernels_of(ordinary.plan))
+      EXPECT_NE(name.rfind("stretch_", 0), 0u) << name;
   }
 }
 
