@@ -114,6 +114,7 @@ Key form_key() {
               "law \"neo-hookean\": \"bonds\"",
           .slot = at<&Material::form>,
           .choices = {"exact", "bonds"},
+          .example = "\"bonds\"",
           .applies = has_form};
 }
 

@@ -91,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(
         RangeCase{4, "color = [0, 2, 0]", "color[1] = 2 is out of range: it must be 0 to 1"},
         RangeCase{4, "model = \"granular\"", "must be one of \"elastic\""},
         RangeCase{4, "law = \"corotatd\"", "did you mean 'corotated'?"},
-        RangeCase{4, "law = \"neo-hookean\"", "\"corotated\", \"ordinary\", \"projective\""},
+        RangeCase{4, "law = \"mooney-rivlin\"", "\"corotated\", \"ordinary\", \"projective\""},
         RangeCase{2, "spacing = 0", "must be above 0 (m), because"},
         RangeCase{8, "shape = { box = [1, 0, 1] }", "box[1] = 0 is out of range"},
         RangeCase{8, "shape = { sphere = 1, rotate = { axis = [0, 0, 0], degrees = 1 } }",
