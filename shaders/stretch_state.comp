@@ -7,7 +7,8 @@ void main() {
   uint local = thread_index();
   if (local >= threads || solver[SOLVER_STOP] > 0.0) return;
   uint i = first + local, slice = first_slice + local / SLICE, lane = local % SLICE;
-  uint row0 = uint(shape[2 * stride + i]);
+  float place = shape[2 * stride + i];
+  uint row0 = uint(place);
   bool squared = energies[row0].x > 0.0;
   vec3 yi = position[i].xyz, ui = displacement[i].xyz;
   float lengthening = 0.0; // the mean stretch less one, or half the mean square less one, without cancellation
@@ -23,5 +24,5 @@ void main() {
   float phi = 0.5 * basis_slopes(row0 + STRETCH_VOLUME, e).x;
   if (squared) phi /= max(1.0 + e, 1e-6);
   stretch_record[2 * i] = vec4(ui, phi);
-  stretch_record[2 * i + 1] = vec4(yi, float(row0));
+  stretch_record[2 * i + 1] = vec4(yi, place);
 }

@@ -7,7 +7,8 @@ void main() {
   uint local = thread_index();
   if (local >= threads || solver[SOLVER_TAKEN] == 0.0 || solver[SOLVER_LINEAR] == 0.0) return;
   uint i = first + local, slice = first_slice + local / SLICE, lane = local % SLICE;
-  uint row0 = uint(shape[2 * stride + i]);
+  float place = shape[2 * stride + i];
+  uint row0 = uint(place);
   bool squared = energies[row0].x > 0.0;
   vec3 yi = position[i].xyz, ui = displacement[i].xyz;
   float lengthening = 0.0;
@@ -29,5 +30,5 @@ void main() {
   }
   if (solver[SOLVER_CONVEX] > 0.0) rate = max(rate, 0.0);
   tangent[4 * i] = vec4(yi + ui, phi);
-  tangent[4 * i + 1] = vec4(float(row0), shape[i] * rate, 0.0, 0.0);
+  tangent[4 * i + 1] = vec4(place, shape[i] * rate, 0.0, 0.0);
 }

@@ -75,10 +75,11 @@ public:
       put_sum(rows, place[m] + STRETCH_BOND, energy.bond);
     }
     context_.device.upload(context_.state.energies, rows);
-    // Row 2 of `shape`: where the particle's material begins in the table.
+    // Row 2 of `shape`: where the particle's material begins in the table, and a half where its whole
+    // neighbourhood is of that material, so that a backend may work many bonds off alike.
     std::vector<double> first(range.count);
     for (std::uint32_t local = 0; local < range.count; ++local)
-      first[local] = place[model.material[range.first + local]];
+      first[local] = place[model.material[range.first + local]] + (alike(range.first + local) ? 0.5 : 0);
     context_.device.upload(context_.state.shape, first, std::size_t{2} * context_.particles + range.first);
     if (anisotropic_) upload_strengths();
   }
@@ -185,6 +186,12 @@ public:
   }
 
 private:
+  bool alike(std::uint32_t i) const {
+    const Model& model = context_.model;
+    const auto begin = model.bonds.neighbour.begin();
+    return std::all_of(begin + model.bonds.begin[i], begin + model.bonds.begin[i + 1],
+                       [&](std::uint32_t j) { return model.material[j] == model.material[i]; });
+  }
   // As `weight`: a row holds 16 strengths outwards, then 16 inwards.
   void upload_strengths() {
     const SlicedBonds bonds = slice_bonds(context_.model);

@@ -14,8 +14,10 @@ struct StretchProblem {
   BondProblem p;
   StretchEnergy energy[2];
   Values in;
+  int only = -1; ///< one material for all, 0 or 1; -1: by turns
 
-  explicit StretchProblem(std::size_t size) : p("ordinary", size, kernel_seed + 60, true) {
+  explicit StretchProblem(std::size_t size, int material = -1)
+      : p("ordinary", size, kernel_seed + 60, true), only(material) {
     energy[0].volume.terms = {{Kind::A, 2, 0.25}, {Kind::log2, 1, 0.5}, {Kind::A, 1, -0.125}};
     energy[0].bond.terms = {{Kind::A, 4, 0.5}, {Kind::B, 1, 0.25}, {Kind::A, 1, 0.125}, {Kind::B, 3, 0.125}};
     energy[1].volume = saint_venant_kirchhoff_basis();
@@ -38,8 +40,9 @@ struct StretchProblem {
       in["strength"][k] = 0.5 + 0.5 * static_cast<double>(k % 3);
   }
 
-  std::size_t kind(std::size_t i) const { return i % 2; }
-  double first_row(std::size_t i) const { return kind(i) ? STRETCH_ROWS : 0; }
+  std::size_t kind(std::size_t i) const { return only < 0 ? i % 2 : static_cast<std::size_t>(only); }
+  /// With the half that says that all neighbours are of the material.
+  double first_row(std::size_t i) const { return (kind(i) ? STRETCH_ROWS : 0) + (only < 0 ? 0 : 0.5); }
   /// G of the bond at place `at` of particle i's row, outwards or inwards: as a device finds it.
   double strength(std::size_t i, std::size_t at, bool inwards) const {
     const std::size_t slice = i / slice_width, lane = i % slice_width;

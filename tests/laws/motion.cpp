@@ -76,7 +76,7 @@ TEST(StretchMotion, MomentumStays) {
   const auto device = open_double();
   for (const auto& [name, material] : some_materials(1e5, 0.3)) {
     Stage stage = sprung(material);
-    stage.scene.solver.tolerance = 1e-9;
+    stage.scene.solver.tolerance = 1e-11;        // what the solve leaves undone is momentum gained
     stage.scene.solver.restore_momentum = false; // what is not there by itself shows
     stage.model.velocity = random_field(stage.model.count(), 5);
     Simulation simulation(*device, stage.scene, stage.model);

@@ -10,7 +10,9 @@ template <class real> void stretch_tangent(const kernels::stretch_tangent::View<
   if (k.solver[SOLVER_TAKEN] == 0 || k.solver[SOLVER_LINEAR] == 0) return;
 #pragma omp parallel for schedule(static)
   for (uint local = 0; local < k.threads; ++local) {
-    const uint i = k.first + local, row0 = static_cast<uint>(k.shape[2 * std::size_t{k.stride} + i]);
+    const uint i = k.first + local;
+    const real place = k.shape[2 * std::size_t{k.stride} + i];
+    const uint row0 = static_cast<uint>(place);
     const bool squared = k.energies[row0].x > 0;
     const Vec3<real> yi = xyz(k.position[i]), ui = xyz(k.displacement[i]);
     real lengthening = 0;
@@ -28,7 +30,7 @@ template <class real> void stretch_tangent(const kernels::stretch_tangent::View<
     }
     if (k.solver[SOLVER_CONVEX] > 0) rate = larger(rate, real(0));
     k.tangent[4 * std::size_t{i}] = {yi.x + ui.x, yi.y + ui.y, yi.z + ui.z, phi};
-    k.tangent[4 * std::size_t{i} + 1] = {static_cast<real>(row0), k.shape[i] * rate, 0, 0};
+    k.tangent[4 * std::size_t{i} + 1] = {place, k.shape[i] * rate, 0, 0};
   }
 }
 
