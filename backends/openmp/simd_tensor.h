@@ -24,8 +24,7 @@ template <class real> PLIANT_INLINE WideMat3<real> times(const Wide<real>& s, co
   return {times<real>(s, a.x), times<real>(s, a.y), times<real>(s, a.z)};
 }
 /// a b
-template <class real>
-PLIANT_INLINE WideMat3<real> product(const WideMat3<real>& a, const WideMat3<real>& b) {
+template <class real> PLIANT_INLINE WideMat3<real> product(const WideMat3<real>& a, const WideMat3<real>& b) {
   const auto row = [&](const Wide3<real>& v) {
     return Wide3<real>{v.x * b.x.x + v.y * b.y.x + v.z * b.z.x, v.x * b.x.y + v.y * b.y.y + v.z * b.z.y,
                        v.x * b.x.z + v.y * b.y.z + v.z * b.z.z};

@@ -45,8 +45,9 @@ void add_curve(CLI::App& program, Action& action) {
       ->type_name("NAME,...")
       ->delimiter(',');
   command
-      ->add_option("--out", options->out,
-                   "folder for curve.csv, curve.json and NAME.svg, NAME.png of each material; made if need be")
+      ->add_option(
+          "--out", options->out,
+          "folder for curve.csv, curve.json and NAME.svg, NAME.png of each material; made if need be")
       ->type_name("FOLDER");
   command->add_option("--from", options->curve.from, "smallest stretch")
       ->capture_default_str()

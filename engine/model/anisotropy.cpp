@@ -20,33 +20,46 @@ constexpr double orthonormal = 1e-5;
 /// A ratio beyond it leaves a direction with no stiffness that single precision can tell from the others'.
 constexpr double largest_ratio = 1e3;
 
-/// Mean of f(N) over the sphere, f even in each component: the midpoint rule in N_z and in the angle about z
-/// over an eighth of the sphere. N_z is graded as t^3, since f may vary fast near N_z = 0.
-template <class Function> double sphere_mean(Function f) {
-  constexpr int rings = 200, spokes = 200;
-  double sum = 0, weight = 0;
-  for (int k = 0; k < rings; ++k) {
-    const double t = (k + 0.5) / rings, z = t * t * t, r = std::sqrt(1 - z * z), w = 3 * t * t;
-    double ring = 0;
-    for (int l = 0; l < spokes; ++l) {
-      const double angle = (l + 0.5) / spokes * std::numbers::pi / 2;
-      ring += f(Vector3(r * std::cos(angle), r * std::sin(angle), z));
-    }
-    sum += w * ring / spokes;
-    weight += w;
+/// Integral over [0, pi/2] by Gauss's rule of eight points on panels that halve towards 0, where |Sigma N|
+/// bends within an angle of the ratio of two strengths.
+template <class Function> double quarter_turn(Function f) {
+  constexpr double node[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
+  constexpr double weight[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
+                               0.1012285362903763};
+  double sum = 0, high = std::numbers::pi / 2;
+  for (int panel = 0; panel < 14; ++panel) {
+    const double low = panel == 13 ? 0 : high / 2, half = (high - low) / 2, middle = (high + low) / 2;
+    for (int k = 0; k < 4; ++k)
+      sum += half * weight[k] * (f(middle - half * node[k]) + f(middle + half * node[k]));
+    high = low;
   }
-  return sum / weight;
+  return sum;
+}
+
+/// Mean of f(|Sigma N|) over the sphere. The poles lie along the greatest strength, longitudes count from the
+/// least.
+template <class Function> double sphere_mean(Vector3 strengths, Function f) {
+  std::sort(strengths.begin(), strengths.end());
+  const Vector3 squares = strengths.cwiseAbs2();
+  const double sum = quarter_turn([&](double latitude) {
+    const double up = std::sin(latitude), out = std::cos(latitude);
+    return out * quarter_turn([&](double longitude) {
+             const double l = std::cos(longitude), m = std::sin(longitude);
+             return f(
+                 std::sqrt(squares[2] * up * up + out * out * (squares[0] * l * l + squares[1] * m * m)));
+           });
+  });
+  return sum / (std::numbers::pi / 2);
 }
 
 } // namespace
 
 double mean_strength(const Vector3& strengths) {
-  return sphere_mean([&](const Vector3& n) { return strengths.cwiseProduct(n).norm(); });
+  return sphere_mean(strengths, [](double size) { return size; });
 }
 
 double mean_softness(const Vector3& strengths) {
-  return mean_strength(strengths) *
-         sphere_mean([&](const Vector3& n) { return 1 / strengths.cwiseProduct(n).norm(); });
+  return mean_strength(strengths) * sphere_mean(strengths, [](double size) { return 1 / size; });
 }
 
 void check_anisotropy(const Anisotropy& anisotropy) {

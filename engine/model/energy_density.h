@@ -1,6 +1,6 @@
-// What a material stores and pulls with when its neighbourhood deforms homogeneously, in double and without any
-// kernel: the reference that curves are drawn of and that tests hold the kernels to; and the classical laws in
-// closed form beside it.
+// What a material stores and pulls with when its neighbourhood deforms homogeneously, in double and without
+// any kernel: the reference that curves are drawn of and that tests hold the kernels to; and the classical
+// laws in closed form beside it.
 #pragma once
 
 #include "engine/model/model.h"
@@ -55,7 +55,7 @@ const char* classical_name(ClassicalLaw law);
 ///   corotated    mu |F - R|^2 + lambda / 2 (tr(R^T F) - 3)^2
 ///   stvk         mu E : E + lambda / 2 (tr E)^2
 ///   neo_hookean  mu / 2 (|F|^2 - 3) - mu ln J + lambda / 2 ln^2 J (Xu et al. 2018, Eq. 27); J > 0
-double classical_energy(ClassicalLaw law, double young, double poisson, const Matrix3& f);   ///< J/m3
+double classical_energy(ClassicalLaw law, double young, double poisson, const Matrix3& f);  ///< J/m3
 Matrix3 classical_stress(ClassicalLaw law, double young, double poisson, const Matrix3& f); ///< Pa
 
 } // namespace pliant

@@ -109,7 +109,7 @@ struct Model {
   std::vector<LawRange> laws;
   std::vector<BodyModel> bodies;
   std::vector<LawConstants> constants; ///< of each material (index into Scene::materials)
-  std::vector<StretchEnergy> stretch;  ///< the same, of law basis; left empty where no material has it
+  std::vector<StretchEnergy> stretch;  ///< the same, of law basis; empty sums for the others
   std::vector<Motion> motions;
   std::vector<Held> held;
   std::vector<Load> loads;

@@ -37,12 +37,13 @@ void require_solid(const Scene& scene, const Model& model) {
   }
   for (std::size_t b = 0; b < flat.size(); ++b)
     if (flat[b] > 0)
-      throw Error(ExitCode::usage,
-                  fmt::format("{}{}: body '{}': law \"neo-hookean\" in its exact form needs neighbours in all "
-                              "three directions, and those of {} of {} particles lie in a plane or along a "
-                              "line; use a smaller spacing, form = \"bonds\", or law = \"corotated\"",
-                              scene.file.string(), scene.bodies[b].typed_at, model.bodies[b].name, flat[b],
-                              model.bodies[b].count));
+      throw Error(
+          ExitCode::usage,
+          fmt::format("{}{}: body '{}': law \"neo-hookean\" in its exact form needs neighbours in all "
+                      "three directions, and those of {} of {} particles lie in a plane or along a "
+                      "line; use a smaller spacing, form = \"bonds\", or law = \"corotated\"",
+                      scene.file.string(), scene.bodies[b].typed_at, model.bodies[b].name, flat[b],
+                      model.bodies[b].count));
 }
 
 } // namespace pliant

@@ -1,5 +1,6 @@
-// The shape tensor of a reference neighbourhood, K = sum_j omega_ij xi (x) xi / x^2: what turns <Y (x) xi / x^2> into a
-// deformation gradient. With weights matched to the second moments it is one third of the identity.
+// The shape tensor of a reference neighbourhood, K = sum_j omega_ij xi (x) xi / x^2: what turns <Y (x) xi /
+// x^2> into a deformation gradient. With weights matched to the second moments it is one third of the
+// identity.
 #pragma once
 
 #include "engine/model/model.h"
@@ -19,8 +20,8 @@ inline constexpr double shape_cutoff = 1e-3;
 /// Of particle i.
 ShapeTensor shape_tensor(const Model& model, std::uint32_t i);
 
-/// Laws that need a deformation gradient in all three directions: throws Error(usage) for a body of such a law
-/// with particles whose bonds lie in a plane or along a line. Particles without bonds fly free.
+/// Laws that need a deformation gradient in all three directions: throws Error(usage) for a body of such a
+/// law with particles whose bonds lie in a plane or along a line. Particles without bonds fly free.
 void require_solid(const Scene& scene, const Model& model);
 
 /// Six of a symmetric matrix, in the order xx xy xz yy yz zz.

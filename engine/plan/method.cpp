@@ -40,6 +40,15 @@ constexpr double stiff = 1e3, stiff_touching = 1e4;
 constexpr double nearly_incompressible = 0.4;
 constexpr double tight = 1e-4;
 
+/// Whether stiffness changes with stretch in this scene, so that what bounds it at rest bounds it no longer.
+bool stiffens(const Model& model) {
+  for (const StretchEnergy& energy : model.stretch)
+    for (const BasisSum* sum : {&energy.bond, &energy.volume})
+      for (const BasisTerm& term : sum->terms)
+        if (term.kind != BasisTerm::Kind::B || term.n != 1) return true;
+  return false;
+}
+
 } // namespace
 
 Method choose_method(const Scene& scene, const Model& model) {
@@ -55,6 +64,9 @@ Method choose_method(const Scene& scene, const Model& model) {
     if (projective) {
       method.name = "chebyshev";
       method.reason = "the projective law has no potential to descend";
+    } else if (has(model, Law::basis) && stiffens(model)) {
+      method.name = "newton";
+      method.reason = "a law over basis functions stiffens with stretch, beyond what sweeps are bounded by";
     } else if (eta > limit || ratio > nearly_incompressible || scene.solver.tolerance < tight) {
       method.name = "newton";
       method.reason =

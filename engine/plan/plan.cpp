@@ -288,6 +288,7 @@ Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds,
   plan.corotated = any_law(model, Law::corotated);
   plan.ordinary = any_law(model, Law::ordinary);
   plan.projective = any_law(model, Law::projective);
+  plan.basis = any_law(model, Law::basis);
   plan.bdf2 = scene.solver.integrator == "bdf2";
   plan.held = !model.held.empty();
   plan.loaded = !model.loads.empty();

@@ -68,13 +68,14 @@ bool solve(StressTest test, const StressFunction& stress, double s, double scale
 
 std::vector<double> stretches_of(const StressCurveOptions& options) {
   if (!(options.from > 0) || !(options.to > options.from) || !(options.step > 0))
-    throw Error(ExitCode::usage, fmt::format("stretches from {:g} to {:g} are none: --from is above 0 and below --to",
-                                             options.from, options.to));
+    throw Error(ExitCode::usage,
+                fmt::format("stretches from {:g} to {:g} are none: --from is above 0 and below --to",
+                            options.from, options.to));
   const auto count = static_cast<std::size_t>(std::ceil((options.to - options.from) / options.step - 1e-9));
   std::vector<double> stretches;
   for (std::size_t k = 0; k <= count; ++k)
-    stretches.push_back(options.from + (options.to - options.from) * static_cast<double>(k) /
-                                           static_cast<double>(count));
+    stretches.push_back(options.from +
+                        (options.to - options.from) * static_cast<double>(k) / static_cast<double>(count));
   return stretches;
 }
 
@@ -88,8 +89,10 @@ MaterialCurves curves_of(const Scene& scene, const Material& material, const std
     const auto points = [&](const StressFunction& stress) {
       return stress_points(test, stress, stretches, material.young);
     };
-    StressCurve curve{test, points([&](const Matrix3& f) { return lattice.stress(f); }),
-                      points([&](const Matrix3& f) { return continuum.stress(f); }), {}};
+    StressCurve curve{test,
+                      points([&](const Matrix3& f) { return lattice.stress(f); }),
+                      points([&](const Matrix3& f) { return continuum.stress(f); }),
+                      {}};
     if (classical)
       curve.closed = points([&](const Matrix3& f) {
         return classical_stress(*classical, material.young, material.poisson, f);
@@ -145,8 +148,7 @@ StressCurveReport stress_curves(const Scene& scene, const StressCurveOptions& op
   for (const std::string& name : options.materials)
     if (!scene.material(name)) {
       std::string known;
-      for (const Material& material : scene.materials)
-        known += (known.empty() ? "" : ", ") + material.name;
+      for (const Material& material : scene.materials) known += (known.empty() ? "" : ", ") + material.name;
       throw Error(ExitCode::usage,
                   fmt::format("{} has no material '{}'; it has {}", scene.file.string(), name, known));
     }

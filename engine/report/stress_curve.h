@@ -1,5 +1,5 @@
-// Stress against stretch of a material: of a particle's neighbourhood on its lattice, of the continuum it stands for,
-// and of the classical law in closed form where there is one.
+// Stress against stretch of a material: of a particle's neighbourhood on its lattice, of the continuum it
+// stands for, and of the classical law in closed form where there is one.
 #pragma once
 
 #include "engine/scene/scene.h"
@@ -29,7 +29,8 @@ struct StressPoint {
                       ///< equilibrium on the way from s = 1
   double lateral = 0; ///< t
 };
-/// At each stretch, each found from the one nearer to s = 1. `scale`: Pa, of the stress whose 1e-10 is nothing.
+/// At each stretch, each found from the one nearer to s = 1. `scale`: Pa, of the stress whose 1e-10 is
+/// nothing.
 std::vector<StressPoint> stress_points(StressTest test, const StressFunction& stress,
                                        const std::vector<double>& stretches, double scale);
 

@@ -78,7 +78,8 @@ std::string csv(const StressCurveReport& report) {
 Plot plot_of(const StressCurveReport& report, const MaterialCurves& material) {
   constexpr Colour colours[] = {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}};
   Plot plot;
-  plot.title = fmt::format("{} ({}, Poisson's ratio {:g})", material.material, material.law, material.poisson);
+  plot.title =
+      fmt::format("{} ({}, Poisson's ratio {:g})", material.material, material.law, material.poisson);
   plot.x_label = "stretch s";
   plot.y_label = "stress / Young's modulus";
   double low = 0, high = 0;
@@ -128,10 +129,10 @@ std::string stress_curve_text(const StressCurveReport& report) {
       text += "\n";
       for (std::size_t k = 0; k < report.stretches.size(); k += every) {
         const StressPoint &l = curve.lattice[k], &c = curve.continuum[k];
-        text += fmt::format("  s = {:<8.4g}{:>10}{:>10}{:>11}{:>10}{:>12}", report.stretches[k],
-                            value(l.stress, material.young), value(l.lateral),
-                            value(c.stress, material.young), value(c.lateral),
-                            percent(deviation(l, c, material.young)));
+        text +=
+            fmt::format("  s = {:<8.4g}{:>10}{:>10}{:>11}{:>10}{:>12}", report.stretches[k],
+                        value(l.stress, material.young), value(l.lateral), value(c.stress, material.young),
+                        value(c.lateral), percent(deviation(l, c, material.young)));
         if (closed) {
           const StressPoint& f = curve.closed[k];
           text += fmt::format("{:>12}{:>10}{:>12}", value(f.stress, material.young), value(f.lateral),
@@ -158,8 +159,9 @@ nlohmann::json stress_curve_json(const StressCurveReport& report) {
                           {"law", material.law},
                           {"young", material.young},
                           {"poisson", material.poisson},
-                          {"closed_formula", material.closed_name.empty() ? nlohmann::json(nullptr)
-                                                                          : nlohmann::json(material.closed_name)}};
+                          {"closed_formula", material.closed_name.empty()
+                                                 ? nlohmann::json(nullptr)
+                                                 : nlohmann::json(material.closed_name)}};
     for (const StressCurve& curve : material.curves) {
       nlohmann::json test = {{"test", stress_test_name(curve.test)}};
       const auto add = [&](const char* name, const std::vector<StressPoint>& points) {

@@ -62,7 +62,7 @@ struct Material {
   std::string model = "elastic";
   std::string law = "corotated"; ///< "corotated" M4, "ordinary" M2, "projective" M1; of Xu et al. (2018):
                                  ///< "basis", "stvk", "neo-hookean"
-  std::string form; ///< "stvk", "neo-hookean": "exact" or "bonds"; empty: the law's default
+  std::string form;              ///< "stvk", "neo-hookean": "exact" or "bonds"; empty: the law's default
   std::map<std::string, double> volume_basis,
       bond_basis;                    ///< "basis" only: shares of g and h, such as "A4": 0.5
   std::string calibration = "exact"; ///< "basis", "stvk": or "xu2018" (Eq. 26)
@@ -70,16 +70,17 @@ struct Material {
   double density = 1000;             ///< kg/m3
   double young = 1e5;                ///< Pa
   double poisson = 0.3;
-  double split = 0.5;              ///< M1 only: share of the deviatoric term, 0 to 1
-  std::string inversion = "none"; ///< all laws but "corotated": "none" or "clamp"; M1: "clamp", also where this says
+  double split = 0.5;             ///< M1 only: share of the deviatoric term, 0 to 1
+  std::string inversion = "none"; ///< laws over bonds: "none" or "clamp"; M1: "clamp", also where this says
                                   ///< "none", or "swap" (the paper's row swap; fails by design)
   Vector3 color = {0.8, 0.45, 0.3};
   bool color_given = false;
 };
 
-/// Whether a neighbourhood of the material may stay inverted or collapsed, so that it can ask to be pushed back.
+/// Whether the material's law feels lengths only, so that a neighbourhood may stay inverted unless it is
+/// pushed back.
 inline bool may_invert(const Material& material) {
-  return material.law != "corotated";
+  return material.law != "corotated" && (material.law != "neo-hookean" || material.form == "bonds");
 }
 
 /// Part of a body held, moved or loaded.

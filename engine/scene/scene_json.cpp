@@ -70,6 +70,7 @@ json schema::value_json(const Key& key, void* object) {
     json operator()(const std::array<unsigned, 2>* v) const { return *v; }
     json operator()(const std::optional<std::array<double, 2>>* v) const { return *v ? json(**v) : json(); }
     json operator()(const std::vector<std::string>* v) const { return *v; }
+    json operator()(const std::map<std::string, double>* v) const { return *v; }
     json operator()(const Flags& v) const {
       json words = json::array();
       for (std::size_t i = 0; i < v.raised.size(); ++i)

@@ -296,6 +296,15 @@ private:
       taken[index] = true;
     }
   }
+  void read(const Key& key, const TomlValue& value, const std::string& path,
+            std::map<std::string, double>* place) {
+    if (value.kind != Kind::table) {
+      wrong_type(value, path, fmt::format("a table of numbers, such as {}", key.example));
+      return;
+    }
+    for (const TomlValue& entry : value.items)
+      if (const auto n = number(key, entry, fmt::format("{}.{}", path, entry.key))) (*place)[entry.key] = *n;
+  }
   void read(const Key& key, const TomlValue& value, const std::string& path, schema::Flags place) {
     for (const std::size_t index : words(key, value, path)) *place.raised[index] = true;
   }

@@ -100,10 +100,11 @@ void check_inversion(const TomlValue& value, Material& material, const std::stri
   if (projective && !typed) material.inversion = "clamp";
   if (!typed) return;
   if (!may_invert(material))
-    findings.add(typed->key_where,
-                 fmt::format("{}.inversion does not apply to law = \"{}\", which comes back from inverted states "
-                             "by itself",
-                             path, material.law));
+    findings.add(
+        typed->key_where,
+        fmt::format("{}.inversion applies to laws over bonds; law = \"{}\" is none and comes back from "
+                    "inverted states by itself",
+                    path, material.law));
   else if (projective && material.inversion == "none")
     findings.add(typed->where,
                  fmt::format("{}.inversion = \"none\" cannot be had with law = \"projective\", whose targets "
@@ -117,6 +118,7 @@ void check_inversion(const TomlValue& value, Material& material, const std::stri
 
 void check_material(const TomlValue& value, Material& material, const std::string& path, Findings& findings) {
   material.color_given = value.find("color") != nullptr;
+  check_basis_law(value, material, path, findings);
   check_inversion(value, material, path, findings);
   if (material.law == "projective") {
     const TomlValue* poisson = value.find("poisson");
@@ -251,6 +253,8 @@ void check_table(const schema::Table& table, const TomlValue& value, void* objec
     check_shape(value, *static_cast<Shape*>(object), path, findings);
   } else if (&table == &schema::material_table()) {
     check_material(value, *static_cast<Material*>(object), path, findings);
+  } else if (&table == &schema::anisotropy_table()) {
+    check_directions(value, *static_cast<Anisotropy*>(object), path, findings);
   } else if (&table == &schema::moved_table()) {
     check_moved(value, static_cast<Condition*>(object)->motion, path, findings);
   } else if (&table == &schema::loaded_table()) {

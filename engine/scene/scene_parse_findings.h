@@ -41,6 +41,10 @@ void apply_override(TomlValue& document, const std::string& text, int index, Fin
 /// table.
 void check_table(const schema::Table& table, const TomlValue& value, void* object, const std::string& path,
                  Findings& findings);
+/// Of these, those of laws over basis functions: of a material, and of its directions.
+void check_basis_law(const TomlValue& value, Material& material, const std::string& path, Findings& findings);
+void check_directions(const TomlValue& value, Anisotropy& anisotropy, const std::string& path,
+                      Findings& findings);
 /// The rules that join tables.
 void check_scene(const TomlValue& document, Scene& scene, Findings& findings);
 

@@ -32,7 +32,8 @@ struct Flags {
 /// Where a value lives. A bool whose key has two choices is false for the first and true for the second.
 using Slot = std::variant<bool*, std::optional<bool>*, int*, unsigned*, double*, std::optional<double>*,
                           std::string*, Vector3*, std::optional<Vector3>*, Matrix3*, std::array<unsigned, 2>*,
-                          std::optional<std::array<double, 2>>*, std::vector<std::string>*, Flags>;
+                          std::optional<std::array<double, 2>>*, std::vector<std::string>*,
+                          std::map<std::string, double>*, Flags>; // map: shares of basis functions by name
 
 /// Larger numbers do not fit the single precision of the kernels.
 constexpr double largest = 1e30;
@@ -88,6 +89,8 @@ const Table& root();
 const Table& shape_table();
 const Table& rotation_table();
 const Table& material_table();
+const Table& basis_table();
+const Table& anisotropy_table();
 const Table& body_table();
 const Table& boundary_table();
 const Table& moved_table();
@@ -97,6 +100,11 @@ const Table& deformed_table();
 const Table& simulation_table();
 const Table& camera_table();
 const Table& render_table();
+/// Keys of a material whose law is one over basis functions.
+Key form_key();
+Key basis_key();
+Key calibration_key();
+Key anisotropy_key();
 /// All tables that root() reaches, each once, in order of first mention.
 std::vector<const Table*> all_tables();
 

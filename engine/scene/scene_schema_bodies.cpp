@@ -210,7 +210,11 @@ const Table& material_table() {
        {.name = "law",
         .meaning = "elastic law; \"projective\" has Poisson's ratio 1/4 always",
         .slot = at<&Material::law>,
-        .choices = {"corotated", "ordinary", "projective"}},
+        .choices = {"corotated", "ordinary", "projective", "basis", "stvk", "neo-hookean"}},
+       form_key(),
+       basis_key(),
+       calibration_key(),
+       anisotropy_key(),
        {.name = "density",
         .meaning = "mass of a unit of volume",
         .slot = at<&Material::density>,
@@ -234,8 +238,9 @@ const Table& material_table() {
         .range = unit_interval,
         .applies = projective},
        {.name = "inversion",
-        .meaning = "all laws but \"corotated\": \"clamp\" pushes inverted neighbourhoods back; law \"projective\": \"clamp\" "
-                   "always, or \"swap\", which fails by design",
+        .meaning =
+            "laws over bonds: \"clamp\" pushes inverted neighbourhoods back; law \"projective\": \"clamp\" "
+            "always, or \"swap\", which fails by design",
         .slot = at<&Material::inversion>,
         .choices = {"none", "clamp", "swap"},
         .applies = may_invert},

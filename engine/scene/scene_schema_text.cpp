@@ -28,6 +28,7 @@ struct TypeNames {
   const char* operator()(std::array<unsigned, 2>*) const { return "[a, b]"; }
   const char* operator()(std::optional<std::array<double, 2>>*) const { return "[a, b]"; }
   const char* operator()(std::vector<std::string>*) const { return "list of words"; }
+  const char* operator()(std::map<std::string, double>*) const { return "numbers by name"; }
   const char* operator()(schema::Flags) const { return "list of words"; }
 };
 
@@ -99,6 +100,10 @@ struct TypeSchema {
     return list_schema(number_schema(key.range, false), 2);
   }
   ordered_json operator()(std::vector<std::string>*) const { return {{"type", "array"}, {"items", word()}}; }
+  ordered_json operator()(std::map<std::string, double>*) const {
+    return {
+        {"type", "object"}, {"additionalProperties", number_schema(key.range, false)}, {"minProperties", 1}};
+  }
   ordered_json operator()(schema::Flags) const { return {{"type", "array"}, {"items", word()}}; }
 };
 

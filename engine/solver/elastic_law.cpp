@@ -21,6 +21,7 @@ constexpr std::array entries{
     Entry{Law::corotated, make_corotated, corotated_needs},
     Entry{Law::ordinary, make_ordinary, ordinary_needs},
     Entry{Law::projective, make_projective, projective_needs},
+    Entry{Law::basis, make_basis, basis_needs},
     Entry{Law::neo_hookean, make_neo_hookean, neo_hookean_needs},
 };
 

@@ -74,10 +74,12 @@ LawNeeds law_needs(Law law, const LawRequest& request);
 std::unique_ptr<ElasticLaw> make_corotated(const LawContext& context);
 std::unique_ptr<ElasticLaw> make_ordinary(const LawContext& context);
 std::unique_ptr<ElasticLaw> make_projective(const LawContext& context);
+std::unique_ptr<ElasticLaw> make_basis(const LawContext& context);
 std::unique_ptr<ElasticLaw> make_neo_hookean(const LawContext& context);
 LawNeeds corotated_needs(const LawRequest& request);
 LawNeeds ordinary_needs(const LawRequest& request);
 LawNeeds projective_needs(const LawRequest& request);
+LawNeeds basis_needs(const LawRequest& request);
 LawNeeds neo_hookean_needs(const LawRequest& request);
 
 } // namespace pliant

@@ -8,13 +8,11 @@
 namespace pliant {
 
 Elasticity::Elasticity(Device& device, const Scene& scene, const Model& model, SimulationState& state)
-    : device_(device), model_(model), state_(state) {
+    : device_(device), model_(model), state_(state), unit_(model.spacing / reference_grid) {
   const auto particles = static_cast<std::uint32_t>(model.count());
   for (const LawRange& range : model.laws)
-    laws_.push_back(
-        make_law(range.law, {device, scene, model, state, particles, model.spacing / reference_grid}));
-  if (resists_inversion(scene, model))
-    inversion_ = std::make_unique<Inversion>(device, scene, model, state);
+    laws_.push_back(make_law(range.law, {device, scene, model, state, particles, unit_}));
+  if (resists_inversion(scene, model)) inversion_ = std::make_unique<Inversion>(device, scene, model, state);
 }
 
 Elasticity::~Elasticity() = default;

@@ -44,10 +44,14 @@ public:
   /// df/du times `direction` into the buffer `force`.
   void product(BufferStorage* direction);
 
+  /// m, of packed bond vectors.
+  double unit() const { return unit_; }
+
 private:
   Device& device_;
   const Model& model_;
   SimulationState& state_;
+  double unit_ = 0;
   std::vector<std::unique_ptr<ElasticLaw>> laws_; ///< of each of the model's ranges
   std::unique_ptr<Inversion> inversion_;          ///< null where no material asks for it
 };

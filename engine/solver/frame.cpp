@@ -109,7 +109,7 @@ void FrameOutput::update() {
       device.run(kernels::deformation::Args{.threads = range.count,
                                             .first = range.first,
                                             .first_slice = range.first_slice,
-                                            .unit = simulation_.model_.spacing / reference_grid,
+                                            .unit = simulation_.elasticity_->unit(),
                                             .slice_begin = s.slice_begin,
                                             .bond = s.bond,
                                             .weight = s.weight,

@@ -1,6 +1,6 @@
-// Laws over bonds feel lengths only, so that a mirror image is at rest like the body itself; the neo-Hookean law
-// stays at a point once it is one. Materials that ask for it are pushed back out of inverted states: see kernels/inversion_state.decl. It runs beside the laws, adding to
-// what they leave, for the ranges of particles that have such a material.
+// Laws over bonds feel lengths only, so that a mirror image is at rest like the body itself. Materials that
+// ask for it are pushed back out of inverted states: see kernels/inversion_state.decl. It runs beside the
+// laws, adding to what they leave, for the ranges of particles that have such a material.
 #pragma once
 
 #include "engine/device/device.h"
@@ -12,8 +12,8 @@ namespace pliant {
 struct Scene;
 struct SimulationState;
 
-/// Whether a material is pushed out of inverted states: inversion = "clamp". The projective law does it in its
-/// own way, the corotated one needs no help.
+/// Whether a material is pushed out of inverted states: inversion = "clamp". The projective law does it in
+/// its own way, the corotated one needs no help.
 bool resists_inversion(const Material& material);
 /// Whether any particle is of such a material.
 bool resists_inversion(const Scene& scene, const Model& model);

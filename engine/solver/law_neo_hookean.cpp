@@ -3,12 +3,12 @@
 #include "engine/model/shape_tensor.h"
 #include "engine/solver/elastic_law.h"
 #include "engine/solver/state.h"
+#include "kernels/corotated_begin.h"
+#include "kernels/corotated_force.h"
 #include "kernels/correspondence_energy.h"
 #include "kernels/correspondence_product.h"
 #include "kernels/correspondence_state.h"
 #include "kernels/correspondence_tangent.h"
-#include "kernels/corotated_begin.h"
-#include "kernels/corotated_force.h"
 
 #include <span>
 

@@ -15,7 +15,8 @@ LineSearch::LineSearch(const SolveContext& context) : context_(context) {
   if (context.plan.method.preconditioner != "multilevel") return;
   // Coarse levels carry the volume term, the particles' own diagonal needs a seventh of it.
   for (const LawConstants& constants : context.model.constants)
-    relief_ = std::min(relief_, constants.isochoric * (1 + 0.15 * std::max(constants.coupling, 0.0)) / constants.bound);
+    relief_ = std::min(relief_, constants.isochoric * (1 + 0.15 * std::max(constants.coupling, 0.0)) /
+                                    constants.bound);
 }
 
 void LineSearch::restart() {

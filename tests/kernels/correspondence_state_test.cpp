@@ -1,5 +1,5 @@
-// correspondence_state: F = S K^-1 with S of the range, A = F - (F + s cof F) K^-1 / 3 with s = (lambda / mu)(J - 1) - 1,
-// and the rotation nearest to F.
+// correspondence_state: F = S K^-1 with S of the range, A = F - (F + s cof F) K^-1 / 3 with s = (lambda /
+// mu)(J - 1) - 1, and the rotation nearest to F.
 #include "kernels/correspondence_state.h"
 #include "tests/support/kernel_tensors.h"
 
@@ -8,7 +8,8 @@ namespace {
 
 PLIANT_ON_EVERY_DEVICE(CorrespondenceState);
 
-// Sums of up to 26 products, then a cofactor and two products of matrices, whose sizes are in the scale; 2 seen.
+// Sums of up to 26 products, then a cofactor and two products of matrices, whose sizes are in the scale; 2
+// seen.
 constexpr double limit = 25;
 
 struct Problem {
@@ -44,8 +45,7 @@ struct Problem {
     Matrix3 sum = Matrix3::Zero();
     double terms = 0;
     for (const auto& bond : p.bonds[i]) {
-      const Vector3 y = p.position[bond.to] - p.position[i],
-                    u = p.displacement[bond.to] - p.displacement[i];
+      const Vector3 y = p.position[bond.to] - p.position[i], u = p.displacement[bond.to] - p.displacement[i];
       sum += bond.out * y * bond.reference.transpose();
       terms += bond.out * (y.norm() + u.norm()) * bond.reference.norm();
     }
@@ -66,8 +66,9 @@ struct Problem {
     const double pressure = stiffness * (f[i].determinant() - 1) - 1;
     const Matrix3 cof = cofactor_of(f[i]), a = f[i] - (f[i] + pressure * cof) * inverse / 3;
     const double off_pressure = stiffness * (norm * norm * error + norm * norm * norm + 1) + 1;
-    const double off = error + (error + std::abs(pressure) * norm * (error + norm) + off_pressure * cof.norm()) *
-                                   inverse.norm() / 3;
+    const double off =
+        error +
+        (error + std::abs(pressure) * norm * (error + norm) + off_pressure * cof.norm()) * inverse.norm() / 3;
     for (std::size_t row = 0; row < 3; ++row) {
       for (std::size_t c = 0; c < 3; ++c)
         record.set(4 * (3 * (p.first + i) + row) + c, a(static_cast<int>(row), static_cast<int>(c)), off);

@@ -1,5 +1,5 @@
-// inversion_energy: its formula is held to in inversion_state_test.cpp, beside the force of which it is the potential; here
-// what it leaves alone.
+// inversion_energy: its formula is held to in inversion_state_test.cpp, beside the force of which it is the
+// potential; here what it leaves alone.
 #include "kernels/inversion_energy.h"
 #include "tests/support/kernel_tensors.h"
 
@@ -8,7 +8,8 @@ namespace {
 
 PLIANT_ON_EVERY_DEVICE(InversionEnergy);
 
-// A body stretched and sheared, but nowhere inverted, keeps its energy bit for bit; so does every one behind the gate.
+// A body stretched and sheared, but nowhere inverted, keeps its energy bit for bit; so does every one behind
+// the gate.
 TEST_P(InversionEnergy, NothingWhereNothingIsInverted) {
   BondProblem p("ordinary", 127, kernel_seed + 35);
   Values in = p.bond_values;
@@ -27,8 +28,9 @@ TEST_P(InversionEnergy, NothingWhereNothingIsInverted) {
     const bool full = Polar(xx).value[2] > 0.05 && Polar(yx * xx.inverse()).value[2] > 0.15;
     healthy += full;
     const Matrix3 inverse = full ? Matrix3(xx.inverse()) : Matrix3::Identity();
-    const double row[] = {p.inverse_modulus[i], full ? 1.5 : 0, 4, inverse(0, 0), inverse(0, 1),
-                          inverse(0, 2),        inverse(1, 1),  inverse(1, 2), inverse(2, 2)};
+    const double row[] = {p.inverse_modulus[i], full ? 1.5 : 0, 4,
+                          inverse(0, 0),        inverse(0, 1),  inverse(0, 2),
+                          inverse(1, 1),        inverse(1, 2),  inverse(2, 2)};
     for (std::size_t k = 0; k < 9; ++k) in["inversion_shape"][k * p.total + p.first + i] = rounded(row[k]);
   }
   EXPECT_GT(healthy, 60u);

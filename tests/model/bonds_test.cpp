@@ -206,7 +206,7 @@ TEST(AssemblePoints, RefusesWhatCannotBe) {
   EXPECT_THAT(message([&] {
                 assemble_points({{0, 0, 0}}, 1, 1.87, material("rubbery", 1, 0), 1);
               }),
-              testing::HasSubstr("corotated, ordinary and projective"));
+              testing::HasSubstr("corotated, ordinary, projective"));
   EXPECT_THAT(message([&] {
                 assemble_points({{0, 0, 0}}, 1, 1.87, material("ordinary", 1, 0.5), 1);
               }),

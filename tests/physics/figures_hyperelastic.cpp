@@ -1,5 +1,5 @@
-// The St. Venant-Kirchhoff bunny of Xu et al., "Reformulating Hyperelastic Materials with Peridynamic Modeling" (2018),
-// Fig. 14, and the bars of Fig. 12, from the scenes in examples/, sampled more coarsely.
+// The St. Venant-Kirchhoff bunny of Xu et al., "Reformulating Hyperelastic Materials with Peridynamic
+// Modeling" (2018), Fig. 14, and the bars of Fig. 12, from the scenes in examples/, sampled more coarsely.
 #include "engine/scene/mesh.h"
 #include "engine/scene/scene_parse.h"
 #include "tests/support/bodies.h"
@@ -25,8 +25,9 @@ double upright_share(const Model& model, const Points& y) {
   return count / static_cast<double>(y.size());
 }
 
-// Under a force of sixty times its weight the material collapses in places, where a finite element would be inverted and
-// its forces point the wrong way; here the run stays finite, and the body comes back when the force ends.
+// Under a force of sixty times its weight the material collapses in places, where a finite element would be
+// inverted and its forces point the wrong way; here the run stays finite, and the body comes back when the
+// force ends.
 TEST(FigureFourteen, TheBunnyIsCrushedAndComesBack) {
   const Scene scene = example("bunny-stvk", {"simulation.spacing=0.08"});
   try {

@@ -91,7 +91,7 @@ Truth expect_truth(const DeviceChoice& choice, const PlanScene& made, const std:
 }
 
 TEST_P(PlanTruth, ElasticOnly) {
-  for (const char* law : {"corotated", "ordinary", "projective", "neo-hookean"}) {
+  for (const char* law : {"corotated", "ordinary", "projective", "basis", "neo-hookean"}) {
     const Truth truth = expect_truth(GetParam(), elastic_only(law), law);
     EXPECT_EQ(truth.plan.used, (std::vector<std::string>{"motion", "solver", "stationary iteration", "bonds",
                                                          std::string(law) + " elasticity"}));
@@ -104,7 +104,7 @@ TEST_P(PlanTruth, ElasticOnly) {
 
 // Only materials that ask to be pushed out of inverted states have buffers and kernels for it.
 TEST_P(PlanTruth, InversionAddsOnlyItsOwn) {
-  for (const char* law : {"ordinary", "neo-hookean"})
+  for (const char* law : {"ordinary", "basis"})
     for (const char* method : {"chebyshev", "newton"}) {
       PlanScene made = elastic_only(law);
       made.scene.solver.method = method;
@@ -124,6 +124,30 @@ TEST_P(PlanTruth, InversionAddsOnlyItsOwn) {
       EXPECT_TRUE(difference(plain.dispatched, pushed.dispatched).empty());
       EXPECT_EQ(difference(pushed.dispatched, plain.dispatched).size(), newton ? 7u : 3u);
     }
+}
+
+// Directions cost their strengths, and nothing where there are none; no other law has anything of this one.
+TEST_P(PlanTruth, DirectionsAddTheirStrengthsOnly) {
+  for (const char* method : {"chebyshev", "newton"}) {
+    PlanScene plain = elastic_only("basis"), strong = elastic_only("basis");
+    strong.scene.materials[0].anisotropy.given = true;
+    strong.scene.materials[0].anisotropy.strengths = {2, 0.5, 1};
+    strong.model = assemble_points(lattice_box(4, 4, 5, 0.02), 0.02, 1.87, strong.scene.materials[0], 8e-6);
+    strong.model.velocity = plain.model.velocity;
+    plain.scene.solver.method = strong.scene.solver.method = method;
+    const Truth without = expect_truth(GetParam(), plain, "isotropic"),
+                with = expect_truth(GetParam(), strong, "directions");
+    EXPECT_EQ(difference(with.allocated, without.allocated), Names{"strength"});
+    EXPECT_EQ(difference(without.allocated, with.allocated), Names{});
+    EXPECT_EQ(with.plan.used, without.plan.used);
+    PlanScene other = elastic_only("ordinary");
+    other.scene.solver.method = method;
+    const Truth ordinary = expect_truth(GetParam(), other, "ordinary");
+    for (const char* name : {"stretch_record", "energies", "strength"})
+      EXPECT_FALSE(ordinary.plan.find(name)) << name;
+    for (const std::string& name : kernels_of(ordinary.plan))
+      EXPECT_NE(name.rfind("stretch_", 0), 0u) << name;
+  }
 }
 
 TEST_P(PlanTruth, EachComponentAddsOnlyItsOwn) {
@@ -200,7 +224,8 @@ TEST_P(PlanTruth, EverythingTogether) {
   EXPECT_EQ(truth.plan.left_out,
             (std::vector<std::string>{"line search", "diagonal preconditioner", "preconditioner", "direct",
                                       "newton", "quasi-newton", "l-bfgs", "corotated elasticity",
-                                      "ordinary elasticity"}));
+                                      "ordinary elasticity", "basis elasticity", "neo-hookean elasticity",
+                                      "inversion"}));
 }
 
 TEST(Plan, BytesOfALargeBall) {

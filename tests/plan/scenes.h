@@ -30,6 +30,7 @@ inline PlanScene elastic_only(const std::string& law = "corotated",
   material.name = "rubber";
   material.law = law;
   material.poisson = law == "projective" ? 0.25 : 0.3;
+  if (law == "basis") material.volume_basis = material.bond_basis = {{"A2", 1.0}};
   made.scene.simulation.spacing = 0.02;
   made.scene.simulation.gravity = {0, -9.81, 0};
   made.scene.solver.method = "chebyshev";

@@ -91,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(
         RangeCase{4, "color = [0, 2, 0]", "color[1] = 2 is out of range: it must be 0 to 1"},
         RangeCase{4, "model = \"granular\"", "must be one of \"elastic\""},
         RangeCase{4, "law = \"corotatd\"", "did you mean 'corotated'?"},
-        RangeCase{4, "law = \"neo-hookean\"", "\"corotated\", \"ordinary\", \"projective\""},
+        RangeCase{4, "law = \"mooney-rivlin\"", "\"corotated\", \"ordinary\", \"projective\""},
         RangeCase{2, "spacing = 0", "must be above 0 (m), because"},
         RangeCase{8, "shape = { box = [1, 0, 1] }", "box[1] = 0 is out of range"},
         RangeCase{8, "shape = { sphere = 1, rotate = { axis = [0, 0, 0], degrees = 1 } }",
@@ -183,7 +183,7 @@ TEST(SceneErrors, TheProjectiveLawHasOneRatio) {
   EXPECT_EQ(complaint(small_scene, {"materials.rubber.law=projective", "materials.rubber.poisson=0.25"}), "");
   EXPECT_THAT(complaint(small_scene, {"materials.rubber.split=0.3"}), HasSubstr("law = \"projective\" only"));
   EXPECT_THAT(complaint(small_scene, {"materials.rubber.inversion=swap"}),
-              HasSubstr("does not apply to law = \"corotated\""));
+              HasSubstr("applies to laws over bonds; law = \"corotated\" is none"));
 }
 
 TEST(SceneErrors, InversionIsNotEveryLaws) {
@@ -193,7 +193,8 @@ TEST(SceneErrors, InversionIsNotEveryLaws) {
   };
   EXPECT_EQ(with("ordinary", "none"), "");
   EXPECT_EQ(with("ordinary", "clamp"), "");
-  EXPECT_EQ(with("neo-hookean", "clamp"), "");
+  EXPECT_EQ(with("stvk", "clamp"), "");
+  EXPECT_THAT(with("neo-hookean", "clamp"), HasSubstr("law = \"neo-hookean\" is none"));
   EXPECT_EQ(with("projective", "clamp"), "");
   EXPECT_THAT(with("ordinary", "swap"), HasSubstr("goes with law = \"projective\" only"));
   EXPECT_THAT(with("projective", "none"), HasSubstr("cannot be had with law = \"projective\""));

@@ -56,7 +56,11 @@ std::string good_table(const Table& table, const Key* also) {
   for (const Key& key : table.keys)
     if (key.required || &key == also) add(key);
   // Keys that need another.
-  if (&table == &schema::material_table() && also && also->applies) text += ", law = \"projective\"";
+  if (&table == &schema::material_table() && also && also->applies) {
+    const bool basis = also->name == "basis",
+               stretch = also->name == "form" || also->name == "calibration" || also->name == "anisotropy";
+    text += std::string(", law = \"") + (basis ? "basis" : stretch ? "stvk" : "projective") + "\"";
+  }
   if (&table == &schema::render_table() && also && also->name == "range") text += ", color = \"strain\"";
   return "{" + text + "}";
 }
@@ -75,6 +79,13 @@ std::string scene_around(const Table& table, const std::string& inner) {
     simulation = inner;
   else if (name == "materials")
     materials = "{rubber = " + inner + "}";
+  else if (name == "basis")
+    materials = "{rubber = {law = \"basis\", basis = " + inner + "}}";
+  else if (name == "anisotropy")
+    materials = "{rubber = {law = \"stvk\", anisotropy = " + inner + "}}";
+  else if (name == "turned" || name == "around")
+    materials = "{rubber = {law = \"stvk\", anisotropy = {strengths = [2, 1, 1], " +
+                std::string(name == "turned" ? "rotate" : name) + " = " + inner + "}}}";
   else if (name == "body")
     body = inner;
   else if (name == "shape") // of an obstacle, where planes are allowed
@@ -154,7 +165,7 @@ TEST(SceneSchema, ListsWhatIsRead) {
   EXPECT_EQ(document["$defs"]["simulation"]["properties"]["horizon"]["default"], 1.87);
   EXPECT_EQ(document["$defs"]["simulation"]["required"], json({"spacing"}));
   EXPECT_EQ(document["$defs"]["materials"]["properties"]["law"]["enum"],
-            json({"corotated", "ordinary", "projective"}));
+            json({"corotated", "ordinary", "projective", "basis", "stvk", "neo-hookean"}));
   EXPECT_EQ(document["$defs"]["materials"]["properties"]["density"]["anyOf"][0]["exclusiveMinimum"], 0);
   EXPECT_THAT(text, HasSubstr("default 1.87"));
   EXPECT_THAT(text, HasSubstr("number, 0 to 0.499"));

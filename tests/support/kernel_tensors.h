@@ -1,4 +1,5 @@
-// Inverse shape tensors for tests of kernels: any symmetric matrix will do, since a kernel only multiplies by it.
+// Inverse shape tensors for tests of kernels: any symmetric matrix will do, since a kernel only multiplies by
+// it.
 #pragma once
 
 #include "tests/support/kernel_bonds.h"

@@ -31,10 +31,10 @@ template <class real> void correspondence_energy(const kernels::correspondence_e
       const WideMat3<real> excess = product<real>(times<real>(inverse_modulus, d), inverse_shape); // F - R
       const WideMat3<real> h = transposed_product(r, excess);
       const Wide<real> trace = h.x.x + h.y.y + h.z.z;
-      const Wide<real> pairs = (h.x.x * h.y.y - h.x.y * h.y.x) + (h.x.x * h.z.z - h.x.z * h.z.x) +
-                               (h.y.y * h.z.z - h.y.z * h.z.y);
+      const Wide<real> pairs =
+          (h.x.x * h.y.y - h.x.y * h.y.x) + (h.x.x * h.z.z - h.x.z * h.z.x) + (h.y.y * h.z.z - h.y.z * h.z.y);
       const Wide<real> volume = dot(h.x, cross<real>(h.y, h.z)), growth = trace + pairs + volume; // J - 1
-      const Wide<real> stiffness = 1 + load_wide(k.shape + k.stride + i) / real(1.5);             // lambda / mu
+      const Wide<real> stiffness = 1 + load_wide(k.shape + k.stride + i) / real(1.5); // lambda / mu
       const Wide<real> affine = inner(h, h) / 2 - pairs - volume + stiffness * growth * growth / 2;
       const Wide<real> rest = deviation - inner(excess, d); // what no gradient explains
       const Wide<real> whole = affine / (3 * inverse_modulus);

@@ -25,8 +25,9 @@ template <class real> void correspondence_product(const kernels::correspondence_
       const WideMat3<real> f{{x.x, x.y, x.z}, {y.x, y.y, y.z}, {z.x, z.y, z.z}}, cof = cofactor<real>(f);
       const WideMat3<real> df = product<real>(times<real>(unit * load_wide(k.shape + i), s), inverse_shape);
       const Wide<real> stiffness = 1 + load_wide(k.shape + k.stride + i) / real(1.5); // lambda / mu
-      const WideMat3<real> stress = plus<real>(plus<real>(times<real>(1 + y.w, df), stiffness * inner(cof, df), cof),
-                                               x.w, cofactor_change<real>(f, df));
+      const WideMat3<real> stress =
+          plus<real>(plus<real>(times<real>(1 + y.w, df), stiffness * inner(cof, df), cof), x.w,
+                     cofactor_change<real>(f, df));
       const WideMat3<real> da = plus<real>(df, spread(real(-1) / 3), product<real>(stress, inverse_shape));
       Real4<real>* const record = k.record + 3 * std::size_t{i};
       store<3>(record, part.count, Wide4<real>{da.x.x, da.x.y, da.x.z, pi.x});

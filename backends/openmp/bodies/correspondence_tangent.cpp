@@ -22,8 +22,7 @@ template <class real> real lacking(const Mat3<real>& u, real stiffness, real pre
     for (int c = 0; c < 3; ++c)
       block.m[r][c] = (r == c ? real(1) : real(0)) + stiffness * g[r] * g[c] + pressure * off[r][c];
   const Vec3<real> values = symmetric_values(block);
-  const real longest =
-      larger(magnitude(sigma.x), larger(magnitude(sigma.y), magnitude(sigma.z)));
+  const real longest = larger(magnitude(sigma.x), larger(magnitude(sigma.y), magnitude(sigma.z)));
   const real twist = 1 - magnitude(pressure) * longest;
   const real least = smaller(twist, smaller(values.x, smaller(values.y, values.z)));
   return larger(real(0), -least);

@@ -1,0 +1,86 @@
+// Sums of basis functions for a part of a slice at once, where all its particles and their neighbours are of
+// one material: `shape` and what is made of it marks such particles by half a row.
+#pragma once
+
+#include "backends/openmp/basis.h"
+#include "backends/openmp/simd.h"
+
+namespace pliant::openmp::PLIANT_ISA {
+
+/// Whether a part may be worked off at once, from its lanes' rows in the table.
+template <class real> PLIANT_INLINE bool alike(Wide<real> rows) {
+  const real first = rows[0];
+  if (first == static_cast<real>(static_cast<uint>(first))) return false;
+  return bits<real>(rows != spread(first)) == 0;
+}
+
+template <class real> struct WideSlopes { Wide<real> first, second; };
+
+template <class real>
+PLIANT_INLINE WideSlopes<real> basis_slopes(const Real4<real>* __restrict terms, Wide<real> e) {
+  const Wide<real> none{}, low = none + (real(STRETCH_LEAST) - 1), high = none + (real(STRETCH_MOST) - 1);
+  const Wide<real> above = e < low ? low : e, inside = above > high ? high : above;
+  const Wide<real> s = 1 + inside, r = 1 / s;
+  Wide<real> first{}, second{};
+  for (int k = 0; k < STRETCH_POWERS && terms[k].x > 0; ++k) {
+    const Real4<real> term = terms[k]; // n, A, B, log2
+    const int n = static_cast<int>(term.x);
+    Wide<real> up = none + 1, down = up, power = up, inverse = r;
+    for (int m = 1; m < n; ++m) {
+      up = up * s + 1;
+      power *= s;
+      if (term.y == 0) continue;
+      down = down * r + 1;
+      inverse *= r;
+    }
+    first += inside * ((2 * term.z / term.x) * up);
+    second += (2 * term.z) * power;
+    if (term.y != 0) {
+      first += inside * ((term.y / term.x) * (up + r * down));
+      second += term.y * (power + inverse * r);
+    }
+    if (term.w != 0) {
+      Wide<real> l = inside;
+      for (uint lane = 0; lane < lanes<real>; ++lane) l[lane] = log_of_one_plus(l[lane]);
+      first += (2 * term.w) * l * r;
+      second += (2 * term.w) * (1 - l) * r * r;
+    }
+  }
+  return {first + (e - inside) * second, second};
+}
+
+/// A bond's lengths and its direction; where two particles coincide, that of the reference bond.
+template <class real> struct WideBond {
+  Wide<real> x, size, per_x;
+  Wide3<real> n;
+};
+/// `xi` in grid units, `unit` as grid_unit() gives it. Padding has no length.
+template <class real>
+PLIANT_INLINE WideBond<real> wide_bond(const Wide3<real>& y, const Wide3<real>& xi, real unit) {
+  WideBond<real> b;
+  const Wide<real> none{}, length2 = dot(y, y);
+  b.x = unit * root_wide<real>(dot(xi, xi));
+  b.size = root_wide<real>(length2);
+  b.per_x = b.x > 0 ? 1 / b.x : none;
+  const auto distinct = length2 > real(1e-14) * b.x * b.x;
+  const Wide<real> now = distinct ? 1 / b.size : none, rest = distinct ? none : unit * b.per_x;
+  b.n = {now * y.x + rest * xi.x, now * y.y + rest * xi.y, now * y.z + rest * xi.z};
+  return b;
+}
+
+/// for_each_bond_of_part() with the strengths by direction, visit(j, xi, c_out, c_in, g_out, g_in).
+template <class View, class Visit>
+PLIANT_INLINE void for_each_bond_of_strength_of_part(const View& k, uint local, Visit visit) {
+  using real = typename View::real;
+  const uint slice = k.first_slice + local / 16, lane = local % 16;
+  const Wide<real> one = Wide<real>{} + 1;
+  for (std::size_t row = k.slice_begin[slice], end = k.slice_begin[slice + 1]; row < end; ++row) {
+    const std::size_t at = 32 * row + lane;
+    const Wide3<real> xi = unpack_bonds<real>(load_words<real>(k.bond + at + 16));
+    visit(k.bond + at, xi, load_wide(k.weight + at), load_wide(k.weight + at + 16),
+          k.anisotropic ? load_wide(k.strength + at) : one,
+          k.anisotropic ? load_wide(k.strength + at + 16) : one);
+  }
+}
+
+} // namespace pliant::openmp::PLIANT_ISA

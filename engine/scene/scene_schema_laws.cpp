@@ -1,0 +1,146 @@
+// The keys of a scene file, part three: materials whose law is one over basis functions.
+#include "engine/scene/scene_schema_slot.h"
+
+namespace pliant::schema {
+namespace {
+
+void* itself(void* object) {
+  return object;
+}
+std::vector<void*> only_itself(void* object) {
+  return {object};
+}
+const Material& material_of(const void* object) {
+  return *static_cast<const Material*>(object);
+}
+bool has_form(const void* object) {
+  return material_of(object).law == "stvk" || material_of(object).law == "neo-hookean";
+}
+bool has_basis(const void* object) {
+  return material_of(object).law == "basis";
+}
+bool has_calibration(const void* object) {
+  return material_of(object).law == "basis" || material_of(object).law == "stvk";
+}
+bool has_directions(const void* object) {
+  return material_of(object).anisotropy.given;
+}
+
+const Table& turned_table() {
+  static const Table table{"turned",
+                           "rotate = { ... }",
+                           "Turns directions about an axis.",
+                           {{.name = "axis",
+                             .meaning = "axis; any length but zero",
+                             .slot = at<&Anisotropy::rotate_axis>,
+                             .example = "[0, 1, 0]",
+                             .required = true,
+                             .direction = true},
+                            {.name = "degrees",
+                             .meaning = "angle",
+                             .slot = at<&Anisotropy::rotate_degrees>,
+                             .unit = "degrees",
+                             .example = "45",
+                             .required = true}},
+                           std::make_shared<Anisotropy>()};
+  return table;
+}
+
+const Table& around_table() {
+  static const Table table{
+      "around",
+      "around = { ... }",
+      "An axis around which directions lie: radial, tangential, axial.",
+      {{.name = "axis",
+        .meaning = "axis; any length but zero",
+        .slot = at<&Anisotropy::around_axis>,
+        .example = "[0, 1, 0]",
+        .required = true,
+        .direction = true},
+       {.name = "through", .meaning = "a point of it", .slot = at<&Anisotropy::around_through>, .unit = "m"}},
+      std::make_shared<Anisotropy>()};
+  return table;
+}
+
+} // namespace
+
+const Table& basis_table() {
+  static const Table table{
+      "basis",
+      "basis = { ... }",
+      "Sums of A1 to A8 and B1 to B8 (Xu et al. 2018, Eq. 15) by their shares, at most four powers each.",
+      {{.name = "g",
+        .meaning = "energy of the dilatation",
+        .slot = at<&Material::volume_basis>,
+        .example = "{ A2 = 1.0 }",
+        .required = true},
+       {.name = "h",
+        .meaning = "energy of each bond's stretch",
+        .slot = at<&Material::bond_basis>,
+        .example = "{ A4 = 0.5, B1 = 0.5 }",
+        .required = true}},
+      std::make_shared<Material>()};
+  return table;
+}
+
+const Table& anisotropy_table() {
+  static const Table table{
+      "anisotropy",
+      "anisotropy = { ... }",
+      "Stiffness of bonds by direction (Eq. 18), 1 on average; directions of the body at rest, in the "
+      "scene's axes.",
+      {{.name = "strengths",
+        .meaning = "along the three directions; only their ratios matter",
+        .slot = at<&Anisotropy::strengths>,
+        .range = {.low = 0, .above = true, .why = "bonds without stiffness hold nothing together"},
+        .example = "[4, 0.25, 1]",
+        .required = true},
+       {.name = "directions", .meaning = "unit vectors at right angles", .slot = at<&Anisotropy::directions>},
+       {.name = "rotate",
+        .meaning = "instead: the scene's axes turned",
+        .nested = {.table = &turned_table(), .add = itself, .all = only_itself}},
+       {.name = "around",
+        .meaning = "instead: radial, tangential and axial at each place",
+        .nested = {.table = &around_table(), .add = itself, .all = only_itself},
+        .applies = [](const void* object) { return static_cast<const Anisotropy*>(object)->around; }}},
+      std::make_shared<Anisotropy>()};
+  return table;
+}
+
+Key form_key() {
+  return {.name = "form",
+          .meaning =
+              "laws \"stvk\" and \"neo-hookean\": \"exact\" (default) in every homogeneous deformation, or "
+              "energies of \"bonds\" as in the paper",
+          .slot = at<&Material::form>,
+          .choices = {"exact", "bonds"},
+          .example = "\"bonds\"",
+          .applies = has_form};
+}
+
+Key basis_key() {
+  return {.name = "basis",
+          .meaning = "law \"basis\" only: the energies",
+          .nested = {.table = &basis_table(), .add = itself, .all = only_itself},
+          .applies = has_basis};
+}
+
+Key calibration_key() {
+  return {.name = "calibration",
+          .meaning = "laws \"basis\" and \"stvk\" only: \"xu2018\" (Eq. 26) gives another modulus and ratio, "
+                     "and says so",
+          .slot = at<&Material::calibration>,
+          .choices = {"exact", "xu2018"},
+          .applies = has_calibration};
+}
+
+Key anisotropy_key() {
+  return {.name = "anisotropy",
+          .meaning = "laws \"basis\", \"stvk\" and \"neo-hookean\" over bonds: stiffness by direction",
+          .nested = {.table = &anisotropy_table(),
+                     .add = child<&Material::anisotropy>,
+                     .all = only<&Material::anisotropy>},
+          .applies = has_directions};
+}
+
+} // namespace pliant::schema

@@ -1,0 +1,34 @@
+// See kernels/stretch_tangent.decl.
+#include "common/bonds.glsl"
+#include "common/basis.glsl"
+#include "common/solver.glsl"
+
+void main() {
+  uint local = thread_index();
+  if (local >= threads || solver[SOLVER_TAKEN] == 0.0 || solver[SOLVER_LINEAR] == 0.0) return;
+  uint i = first + local, slice = first_slice + local / SLICE, lane = local % SLICE;
+  float place = shape[2 * stride + i];
+  uint row0 = uint(place);
+  bool squared = energies[row0].x > 0.0;
+  vec3 yi = position[i].xyz, ui = displacement[i].xyz;
+  float lengthening = 0.0;
+  for (uint row = slice_begin[slice]; row < slice_begin[slice + 1]; ++row) {
+    uint entry = 32 * row + lane;
+    uint j = bond[entry];
+    vec3 y = (position[j].xyz - yi) + (displacement[j].xyz - ui);
+    float x = length(unpack_bond(bond[entry + 16], unit)), size = length(y);
+    lengthening += weight[entry] * (size - x) * (squared ? 0.5 * (size + x) : x);
+  }
+  float e = shape[i] * lengthening;
+  if (squared) e = 2.0 * e / (1.0 + sqrt(max(1.0 + 2.0 * e, 0.0)));
+  vec2 slopes = 0.5 * basis_slopes(row0 + STRETCH_VOLUME, e);
+  float phi = slopes.x, rate = slopes.y;
+  if (squared) {
+    float theta = max(1.0 + e, 1e-6);
+    phi /= theta;
+    rate = (rate - phi) / (theta * theta);
+  }
+  if (solver[SOLVER_CONVEX] > 0.0) rate = max(rate, 0.0);
+  tangent[4 * i] = vec4(yi + ui, phi);
+  tangent[4 * i + 1] = vec4(place, shape[i] * rate, 0.0, 0.0);
+}
