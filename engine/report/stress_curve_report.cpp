@@ -25,7 +25,9 @@ std::string percent(double share) {
 }
 
 std::string value(double number, double scale = 1) {
-  return std::isfinite(number) ? fmt::format("{:.4f}", number / scale) : "none";
+  if (!std::isfinite(number)) return "none";
+  const double shown = number / scale;
+  return fmt::format("{:.4f}", std::abs(shown) < 5e-5 ? 0.0 : shown);
 }
 
 /// Largest size of the deviations, where there is one.

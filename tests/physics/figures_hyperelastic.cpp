@@ -25,7 +25,7 @@ double upright_share(const Model& model, const Points& y) {
   return count / static_cast<double>(y.size());
 }
 
-// Under a force of sixty times its weight the material collapses in places, where a finite element would be
+// Under a force of six times its weight the material collapses in places, where a finite element would be
 // inverted and its forces point the wrong way; here the run stays finite, and the body comes back when the
 // force ends.
 TEST(FigureFourteen, TheBunnyIsCrushedAndComesBack) {
