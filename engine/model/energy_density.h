@@ -21,7 +21,7 @@ Neighbourhood lattice_neighbourhood(const SimulationSettings& settings, const Ma
 /// The average over the sphere of directions that a lattice stands for: Gauss-Legendre in the cosine of the
 /// polar angle, equally spaced around; `order` points in the one, twice as many in the other. Polynomials of
 /// degree below 2 `order` are exact.
-Neighbourhood sphere_neighbourhood(const Material& material, unsigned order = 40);
+Neighbourhood sphere_neighbourhood(const Material& material, unsigned order = 24);
 
 /// Energy and stress of one material in a neighbourhood whose bonds all follow Y = F xi.
 class EnergyDensity {

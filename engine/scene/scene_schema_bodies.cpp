@@ -243,6 +243,7 @@ const Table& material_table() {
             "always, or \"swap\", which fails by design",
         .slot = at<&Material::inversion>,
         .choices = {"none", "clamp", "swap"},
+        .example = "\"clamp\"",
         .applies = may_invert},
        {.name = "color",
         .meaning = "red, green, blue from 0 to 1",

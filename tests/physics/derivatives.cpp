@@ -134,8 +134,11 @@ double least_eigenvalue(SolveRig& rig, std::size_t n) {
 // A crushed body may buckle: its derivative is indefinite. The convex one is not, whatever the state.
 TEST(Derivatives, ConvexOnesAreNotNegative) {
   const auto device = open_double();
-  for (const auto& [law, poisson] : {std::pair{"corotated", 0.0}, {"corotated", 0.25}, {"corotated", 0.45},
-                                     {"neo-hookean", 0.0}, {"neo-hookean", 0.45}}) {
+  for (const auto& [law, poisson] : {std::pair{"corotated", 0.0},
+                                     {"corotated", 0.25},
+                                     {"corotated", 0.45},
+                                     {"neo-hookean", 0.0},
+                                     {"neo-hookean", 0.45}}) {
     const Stage stage = floating(law, poisson);
     SolveRig rig(*device, stage.scene, stage.model);
     const std::size_t n = stage.model.count();
@@ -146,7 +149,8 @@ TEST(Derivatives, ConvexOnesAreNotNegative) {
     rig.convex = true;
     rig.forces(u);
     const double convex = least_eigenvalue(rig, n);
-    report(std::string(law) + " crushed, ratio " + std::to_string(poisson).substr(0, 4) + ": least eigenvalue over largest",
+    report(std::string(law) + " crushed, ratio " + std::to_string(poisson).substr(0, 4) +
+               ": least eigenvalue over largest",
            exact);
     EXPECT_LT(exact, -1e-2);
     report("  kept positive", convex);
