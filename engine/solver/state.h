@@ -18,7 +18,7 @@ struct SimulationState {
   // Elasticity.
   Buffer slice_begin, bond, weight, shape, record, rotation, extension;
   Buffer inversion_shape, inversion, inverted; // pushing inverted neighbourhoods back
-  Buffer stretch_record, energies, strength; // laws over basis functions; strength: of directions
+  Buffer stretch_record, energies, strength;   // laws over basis functions; strength: of directions
   // Solver.
   Buffer solver, residual_partial;
   // Methods with a line search.

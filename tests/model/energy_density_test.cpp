@@ -194,9 +194,9 @@ TEST(EnergyDensity, SaintVenantKirchhoffInTension) {
 }
 
 // The curve of a lattice against that of the continuum. Matched weights give 26 bonds the continuum's moments
-// up to the fourth, which laws over bonds need at small strain: within 2 % for stretches of 0.95 to 1.05. What
-// they are off beyond, and what the classical law is away, is printed, not judged, except for the laws that
-// claim to be exact.
+// up to the fourth, which laws over bonds need at small strain: within 2 % for stretches of 0.95 to 1.05.
+// What they are off beyond, and what the classical law is away, is printed, not judged, except for the laws
+// that claim to be exact.
 TEST(EnergyDensity, LatticesFollowTheirContinuum) {
   Scene scene;
   scene.simulation = settings();
@@ -220,12 +220,12 @@ TEST(EnergyDensity, LatticesFollowTheirContinuum) {
           if (!curve.closed.empty() && std::isfinite(curve.closed[k].stress))
             from_closed = std::max(from_closed, std::abs(l.stress / curve.closed[k].stress - 1));
         }
-        std::printf(
-            "  %-20s nu %.2f %-12s lattice from continuum %7.3f %% (0.95 to 1.05: %.3f %%), from %s %.2f %%\n",
-            named.name.c_str(), named.poisson, stress_test_name(curve.test), 100 * from_continuum,
-            100 * near_rest,
-            report.materials[0].closed_name.empty() ? "-" : report.materials[0].closed_name.c_str(),
-            100 * from_closed);
+        std::printf("  %-20s nu %.2f %-12s lattice from continuum %7.3f %% (0.95 to 1.05: %.3f %%), from %s "
+                    "%.2f %%\n",
+                    named.name.c_str(), named.poisson, stress_test_name(curve.test), 100 * from_continuum,
+                    100 * near_rest,
+                    report.materials[0].closed_name.empty() ? "-" : report.materials[0].closed_name.c_str(),
+                    100 * from_closed);
         EXPECT_LT(near_rest, 0.02) << named.name << " " << stress_test_name(curve.test);
         if (named.law == "corotated" || (named.law == "stvk" && named.form.empty())) {
           EXPECT_LT(from_closed, 0.01) << named.name << " " << stress_test_name(curve.test);

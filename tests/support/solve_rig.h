@@ -103,6 +103,7 @@ private:
   double inertia(std::size_t i) const { return model_.mass[i] / (step() * step()); }
   static std::vector<Real4<double>> groups(const std::vector<Vector3>& v) {
     std::vector<Real4<double>> rows;
+    rows.reserve(v.size());
     for (const Vector3& one : v) rows.push_back({one.x(), one.y(), one.z(), 0});
     return rows;
   }
