@@ -130,9 +130,11 @@ public:
     begin("corotated elasticity", plan_.corotated);
     buffer("record", Type::real4, 3 * n_);
     buffer("rotation", Type::real4, n_);
-    kernels<kernels::corotated_begin::Args, kernels::corotated_state::Args, kernels::corotated_force::Args>();
+    kernels<kernels::corotated_begin::Args, kernels::corotated_force::Args>();
+    kernel(kernels::corotated_state::Args{.plane = plan_.plane});
     if (plan_.method.name == "newton") {
-      kernels<kernels::corotated_tangent::Args, kernels::corotated_product::Args>();
+      kernel(kernels::corotated_tangent::Args{.flat = plan_.sheets || plan_.plane});
+      kernels<kernels::corotated_product::Args>();
       kernel(kernels::corotated_force::Args{.product = 1});
     }
     begin("ordinary elasticity", plan_.ordinary);
@@ -145,6 +147,12 @@ public:
     buffer("record", Type::real4, 3 * n_);
     kernel(kernels::projective_state::Args{.swap_rows = swaps_rows(scene_)});
     kernels<kernels::projective_force::Args>();
+  }
+
+  /// Flat neighbourhoods choose variants of kernels; they need nothing else.
+  void flatness() {
+    begin("sheets", plan_.sheets);
+    begin("plane", plan_.plane);
   }
 
   void contacts() {
@@ -281,6 +289,8 @@ Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds,
   plan.corotated = any_law(model, Law::corotated);
   plan.ordinary = any_law(model, Law::ordinary);
   plan.projective = any_law(model, Law::projective);
+  plan.sheets = model.has_sheets();
+  plan.plane = model.dimension == 2;
   plan.bdf2 = scene.solver.integrator == "bdf2";
   plan.held = !model.held.empty();
   plan.loaded = !model.loads.empty();
@@ -296,6 +306,7 @@ Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds,
   planner.contacts();
   planner.solver();
   planner.elasticity();
+  planner.flatness();
   planner.sums(make_chunks(model));
   planner.frames(request);
   return plan;

@@ -41,6 +41,8 @@ void apply_override(TomlValue& document, const std::string& text, int index, Fin
 /// table.
 void check_table(const schema::Table& table, const TomlValue& value, void* object, const std::string& path,
                  Findings& findings);
+/// The rules of horizons, of Poisson's ratios, of sheets and of plane scenes.
+void check_flat(const TomlValue& document, Scene& scene, Findings& findings);
 /// The rules that join tables.
 void check_scene(const TomlValue& document, Scene& scene, Findings& findings);
 

@@ -42,6 +42,7 @@ void Elasticity::state(BufferStorage* displacement) {
     switch (range.law) {
     case Law::corotated:
       device_.run(kernels::corotated_state::Args{.threads = range.count,
+                                                 .plane = model_.dimension == 2,
                                                  .first = range.first,
                                                  .first_slice = range.first_slice,
                                                  .stride = particles_,
@@ -207,6 +208,7 @@ void Elasticity::tangent(BufferStorage* displacement) {
   for (const LawRange& range : model_.laws) {
     if (range.law == Law::corotated)
       device_.run(kernels::corotated_tangent::Args{.threads = range.count,
+                                                   .flat = model_.dimension == 2 || model_.has_sheets(),
                                                    .first = range.first,
                                                    .first_slice = range.first_slice,
                                                    .stride = particles_,

@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(
         RangeCase{8, "shape = { sphere = 1, rotate = { axis = [0, 0, 0], degrees = 1 } }",
                   "has no direction"},
         RangeCase{8, "shape = { box = [1, 1, 1], sphere = 1 }",
-                  "exactly one of box, sphere, cylinder, torus, mesh, plane; it has box and sphere"},
+                  "exactly one of box, sphere, cylinder, torus, mesh, plane, sheet; it has box and sphere"},
         RangeCase{8, "shape = { at = [0, 0, 0] }", "it has none"},
         RangeCase{8, "shape = { sphere = 1, fit = 1 }", "fit does not apply to a sphere"},
         RangeCase{8, "shape = { sphere = 1, offset = 1 }", "offset does not apply to a sphere"},

@@ -157,7 +157,7 @@ TEST(SceneSchema, ListsWhatIsRead) {
             json({"corotated", "ordinary", "projective"}));
   EXPECT_EQ(document["$defs"]["materials"]["properties"]["density"]["anyOf"][0]["exclusiveMinimum"], 0);
   EXPECT_THAT(text, HasSubstr("default 1.87"));
-  EXPECT_THAT(text, HasSubstr("number, 0 to 0.499"));
+  EXPECT_THAT(text, HasSubstr("number, 0 to 0.95"));
 }
 
 } // namespace

@@ -46,8 +46,12 @@ template <class real> void corotated_state(const kernels::corotated_state::View<
       }
       const Wide4<real> before = gather(k.rotation, part.index);
       Wide4<real> q = before;
-      const uint failed = polar_rotation(s, q) & ((2u << (part.count - 1)) - 1);
-      if (failed) rotate_rest(failed, s, before, q);
+      if (k.plane) {
+        q = plane_rotation(s, before);
+      } else {
+        const uint failed = polar_rotation(s, q) & ((2u << (part.count - 1)) - 1);
+        if (failed) rotate_rest(failed, s, before, q);
+      }
       const WideMat3<real> r = rotation_matrix<real>(q);
       const Wide<real> theta = inner(r, s);
       const Wide<real> scale = 1 - load_wide(k.shape + k.stride + i) * (theta - 1);
