@@ -86,8 +86,8 @@ Method choose_method(const Scene& scene, const Model& model) {
     if (method.preconditioner == "auto") {
       method.preconditioner = eta > 50 && !flat ? "multilevel" : "diagonal";
       if (eta > 50 && flat)
-        method.reason += std::string(method.reason.empty() ? "" : "; ") +
-                         "diagonal, as coarse elements do not bend as sheets do";
+        method.reason += std::string(method.reason.empty() ? "" : "; diagonal, since ") +
+                         "coarse elements do not bend as sheets do";
     }
   }
   return method;

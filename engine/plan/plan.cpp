@@ -130,8 +130,9 @@ public:
     begin("corotated elasticity", plan_.corotated);
     buffer("record", Type::real4, 3 * n_);
     buffer("rotation", Type::real4, n_);
-    kernels<kernels::corotated_begin::Args, kernels::corotated_force::Args>();
+    kernels<kernels::corotated_begin::Args>();
     kernel(kernels::corotated_state::Args{.plane = plan_.plane});
+    kernels<kernels::corotated_force::Args>();
     if (plan_.method.name == "newton") {
       kernel(kernels::corotated_tangent::Args{.flat = plan_.sheets || plan_.plane});
       kernels<kernels::corotated_product::Args>();

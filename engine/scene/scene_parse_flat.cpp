@@ -16,8 +16,8 @@ using Kind = TomlValue::Kind;
 
 /// A cubic lattice has neighbours at sqrt(a2 + b2 + c2), a square one at sqrt(a2 + b2); between two of these
 /// a horizon is safe.
-constexpr std::array<double, 5> good_horizons = {1.87, 2.1, 2.35, 2.6, 3.1};
-constexpr std::array<double, 4> good_flat_horizons = {1.8, 2.1, 2.6, 3.1};
+constexpr std::array<double, 7> good_horizons = {1.87, 2.1, 2.35, 2.6, 3.1, 3.67, 4.06};
+constexpr std::array<double, 6> good_flat_horizons = {1.8, 2.1, 2.6, 3.1, 3.8, 4.06};
 constexpr double shell_margin = 0.01 + 1e-9; // so that 1.98 and 2.02 themselves are refused
 
 bool sum_of_three_squares(int n) {

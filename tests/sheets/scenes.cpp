@@ -32,7 +32,7 @@ TEST(SheetScenes, AreReadAndWritten) {
   EXPECT_EQ(scene.bodies[0].shape.kind, Shape::Kind::sheet);
   EXPECT_EQ(scene.bodies[0].thickness, 0.01);
   EXPECT_EQ(scene.bodies[0].horizon, 3.1);
-  const auto json = scene_json(scene);
+  const auto json = scene_to_json(scene);
   EXPECT_EQ(json["body"][0]["shape"]["sheet"], nlohmann::json({1.0, 0.5}));
   EXPECT_EQ(json["body"][0]["thickness"], 0.01);
   EXPECT_EQ(json["simulation"]["influence"], "increasing");
@@ -58,9 +58,9 @@ TEST(SheetScenes, AMaterialMayBeInSheetsAndSolids) {
 
 TEST(SheetScenes, Refused) {
   EXPECT_THAT(complaint(scene_with("", "", "shape = { sheet = [1, 0.5] }")),
-              AllOf(StartsWith("s.toml:7:"), HasSubstr("lacks \"thickness\"")));
+              AllOf(StartsWith("s.toml:8:9:"), HasSubstr("lacks \"thickness\"")));
   EXPECT_THAT(complaint(scene_with("", "", a_box + "\nthickness = 0.01")),
-              AllOf(StartsWith("s.toml:8:1"), HasSubstr("applies to a sheet or a mesh")));
+              AllOf(StartsWith("s.toml:9:1:"), HasSubstr("applies to a sheet or a mesh")));
   EXPECT_THAT(complaint(scene_with("", "", a_sheet + "\n[[body.fixed]]\nregion = { sheet = [1, 1] }")),
               HasSubstr("a sheet encloses nothing"));
   EXPECT_THAT(complaint(scene_with("", "", a_box) + "[[boundary]]\nshape = { sheet = [1, 1] }\n"),
@@ -75,7 +75,7 @@ TEST(SheetScenes, RatiosByUse) {
   EXPECT_EQ(complaint(scene_with("", "poisson = 0.95", a_sheet)), "");
   EXPECT_THAT(complaint(scene_with("", "poisson = 0.96", a_sheet)), HasSubstr("0 to 0.95"));
   EXPECT_THAT(complaint(scene_with("", "poisson = 0.6", a_box)),
-              AllOf(StartsWith("s.toml:4:11"), HasSubstr("must be 0 to 0.499")));
+              AllOf(StartsWith("s.toml:5:11:"), HasSubstr("must be 0 to 0.499")));
   EXPECT_THAT(complaint(scene_with("dimension = 2", "poisson = 0.6", a_box)),
               HasSubstr("must be 0 to 0.499"));
   EXPECT_EQ(complaint(scene_with("dimension = 2\nplane = \"stress\"", "poisson = 0.6", a_box)), "");
@@ -98,7 +98,7 @@ TEST(SheetScenes, HorizonsBetweenShells) {
       complaint(scene_with("horizon = 1.74", "", a_sheet) + "[[body]]\nmaterial = \"m\"\n" + a_box + "\n"),
       HasSubstr("the cubic lattice"));
   EXPECT_THAT(complaint(scene_with("", "", a_sheet + "\nhorizon = 2.24")),
-              AllOf(StartsWith("s.toml:9:11"), HasSubstr("body.0.horizon = 2.24 lies within 1 %")));
+              AllOf(StartsWith("s.toml:10:11:"), HasSubstr("body.0.horizon = 2.24 lies within 1 %")));
   EXPECT_THAT(complaint(scene_with("influence = \"constant\"\nweight_exponent = 1", "", a_sheet)),
               HasSubstr("applies where influence = \"power\""));
 }
