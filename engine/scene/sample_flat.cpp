@@ -6,6 +6,7 @@
 // the points nearest to it, and back onto the surface.
 #include "engine/core/error.h"
 #include "engine/core/memory.h"
+#include "engine/scene/mesh_cross.h"
 #include "engine/scene/sample.h"
 #include "engine/scene/shape.h"
 
@@ -292,7 +293,7 @@ Sampling sample_sheet(const Shape& shape, double thickness, double spacing,
          [](const Vector3&, long long, long long) { return true; });
     sampling.volume = 4 * x * y * thickness;
   } else if (shape.kind == Shape::Kind::mesh) {
-    const MeshReport report = examine(placed.mesh);
+    const MeshReport report = measure(placed.mesh);
     const std::string name = fmt::format("{} ({})", name_of(shape), placed.file.string());
     if (report.odd_edges > 0)
       throw Error(
