@@ -28,7 +28,8 @@ struct Shape {
   Vector3 normal = {0, 1, 0};      ///< plane: unit normal, pointing to the free side
   double offset = 0;               ///< m; plane: points x with normal . x = offset
   std::string mesh;                ///< file name as typed
-  std::optional<std::array<double, 2>> sheet; ///< m; width along x, height along y
+  /// m; sheet: width along x, height along y
+  std::optional<std::array<double, 2>> sheet;
   std::optional<double> fit;       ///< m; mesh: longest side of its box after scaling
   std::optional<Vector3> place;    ///< mesh: `at` was given (else the mesh stays where its file puts it)
   Vector3 rotate_axis = {0, 1, 0}; ///< unit
