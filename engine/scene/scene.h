@@ -20,14 +20,14 @@ using Matrix3 = Eigen::Matrix3d;
 struct Shape {
   enum class Kind { box, sphere, cylinder, torus, mesh, plane, sheet };
   Kind kind = Kind::box;
-  Vector3 at = Vector3::Zero();    ///< m; centre (of a mesh: of its bounding box)
-  Vector3 size = Vector3::Ones();  ///< m; box: edge lengths
-  double radius = 0;               ///< m; sphere, cylinder; torus: of the ring
-  double tube = 0;                 ///< m; torus: of the tube
-  double height = 0;               ///< m; cylinder
-  Vector3 normal = {0, 1, 0};      ///< plane: unit normal, pointing to the free side
-  double offset = 0;               ///< m; plane: points x with normal . x = offset
-  std::string mesh;                ///< file name as typed
+  Vector3 at = Vector3::Zero();   ///< m; centre (of a mesh: of its bounding box)
+  Vector3 size = Vector3::Ones(); ///< m; box: edge lengths
+  double radius = 0;              ///< m; sphere, cylinder; torus: of the ring
+  double tube = 0;                ///< m; torus: of the tube
+  double height = 0;              ///< m; cylinder
+  Vector3 normal = {0, 1, 0};     ///< plane: unit normal, pointing to the free side
+  double offset = 0;              ///< m; plane: points x with normal . x = offset
+  std::string mesh;               ///< file name as typed
   /// m; sheet: width along x, height along y
   std::optional<std::array<double, 2>> sheet;
   std::optional<double> fit;       ///< m; mesh: longest side of its box after scaling
