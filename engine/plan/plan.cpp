@@ -1,6 +1,7 @@
 // From a scene to the components, kernels and buffers it needs.
 #include "engine/plan/plan.h"
 
+#include "engine/model/failure.h"
 #include "engine/solver/contact.h"
 #include "engine/solver/frame.h"
 #include "engine/solver/multilevel.h"
@@ -125,14 +126,18 @@ public:
     buffer("slice_begin", Type::uint, bonds_.slice_begin.size());
     buffer("bond", Type::uint, 2 * slice_width * rows);
     buffer("weight", Type::real, 2 * slice_width * rows);
-    // Rows of `shape`: two of constants, nine of S (corotated), six of the inverse shape tensor (projective).
-    buffer("shape", Type::real, n_ * (plan_.corotated ? 11 : plan_.projective ? 8 : 2));
+    // Rows of `shape`: two of constants, nine of S (corotated), six of the inverse shape tensor (projective);
+    // two of broken bonds.
+    plan_.share_row = plan_.corotated ? 11 : plan_.projective ? 8 : 2;
+    buffer("shape", Type::real, n_ * (plan_.share_row + (plan_.failure ? 2 : 0)));
     begin("corotated elasticity", plan_.corotated);
     buffer("record", Type::real4, 3 * n_);
     buffer("rotation", Type::real4, n_);
-    kernels<kernels::corotated_begin::Args, kernels::corotated_state::Args, kernels::corotated_force::Args>();
+    kernels<kernels::corotated_begin::Args, kernels::corotated_force::Args>();
+    kernel(kernels::corotated_state::Args{.failing = plan_.failure});
     if (plan_.method.name == "newton") {
-      kernels<kernels::corotated_tangent::Args, kernels::corotated_product::Args>();
+      kernel(kernels::corotated_tangent::Args{.failing = plan_.failure});
+      kernels<kernels::corotated_product::Args>();
       kernel(kernels::corotated_force::Args{.product = 1});
     }
     begin("ordinary elasticity", plan_.ordinary);
@@ -177,6 +182,15 @@ public:
       if (plan_.ordinary) kernel(kernels::ordinary_energy::Args{.gated = gated});
     }
     if (plan_.projective) kernels<kernels::projective_energy::Args>();
+    begin("failure", plan_.failure);
+    buffer("strength", Type::real4, n_);
+    kernels<kernels::bond_break::Args>();
+    if (plan_.energy) {
+      buffer("energy_before", Type::real, n_);
+      buffer("released", Type::real, n_);
+      buffer("fracture", Type::real, std::size_t{2} * statistics_rows);
+      kernels<kernels::bond_release::Args, kernels::fracture_sum::Args>();
+    }
     begin("statistics", plan_.statistics);
     buffer("chunk", Type::uint4, chunks.chunk.size());
     buffer("chunk_sum", Type::real4, 2 * chunks.chunk.size());
@@ -189,7 +203,7 @@ public:
     buffer("statistics", Type::real, std::size_t{16} * statistics_rows);
     kernel(kernels::statistics_chunk::Args{.energies = plan_.statistics});
     kernels<kernels::statistics_total::Args>();
-    for (const std::string& name : persistent_buffers())
+    for (const std::string& name : persistent_buffers(plan_))
       if (const BufferSpec* spec = plan_.find(name)) {
         const BufferSpec like = *spec; // buffer() may move what it points to
         buffer(kept_name(name), like.type, like.count);
@@ -289,6 +303,7 @@ Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds,
   plan.divergence = request.divergence;
   const bool drawn = scene.render.color == "energy" || std::find(request.fields.begin(), request.fields.end(),
                                                                  "energy") != request.fields.end();
+  plan.failure = can_break(scene, model);
   plan.method = choose_method(scene, model);
   plan.energy = request.statistics || plan.method.potential || (request.frames && drawn);
   Planner planner(plan, scene, model, bonds);

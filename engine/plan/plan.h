@@ -17,11 +17,12 @@ struct Hierarchy;
 
 /// What the caller wants besides the motion itself.
 struct PlanRequest {
-  bool statistics = true;          ///< a row of energies, momentum and residuals each step
-  bool divergence = false;         ///< the last good state kept, and a row each step that tells a bad one
-  bool frames = false;             ///< world positions, for files and pictures
-  std::vector<std::string> fields; ///< "velocity", "displacement", "strain", "energy": only with frames
-  bool surfaces = true;            ///< carried meshes, where there are any: only with frames
+  bool statistics = true;  ///< a row of energies, momentum and residuals each step
+  bool divergence = false; ///< the last good state kept, and a row each step that tells a bad one
+  bool frames = false;     ///< world positions, for files and pictures
+  std::vector<std::string>
+      fields;           ///< "velocity", "displacement", "strain", "energy", "damage": only with frames
+  bool surfaces = true; ///< carried meshes, where there are any: only with frames
 };
 
 struct Plan {
@@ -30,6 +31,9 @@ struct Plan {
   bool bdf2 = false, held = false, loaded = false, momentum = false, statistics = false, energy = false,
        divergence = false;
   bool boundaries = false, pairs = false;
+  bool failure = false;
+  std::uint32_t share_row =
+      0; ///< failure: row of `shape` with the share of the weights; the next counts breaks
   Method method;
   std::shared_ptr<const Hierarchy> hierarchy; ///< null without the multilevel preconditioner
   bool frames = false, surfaces = false, strain = false;

@@ -95,6 +95,19 @@ void check_shape(const TomlValue& value, Shape& shape, const std::string& path, 
 
 void check_material(const TomlValue& value, Material& material, const std::string& path, Findings& findings) {
   material.color_given = value.find("color") != nullptr;
+  const TomlValue* const energy = value.find("fracture_energy");
+  const TomlValue* const stretch = value.find("critical_stretch");
+  if (energy && stretch)
+    findings.add(
+        stretch->key_where,
+        fmt::format("{}.critical_stretch and {}.fracture_energy say the same twice: the stretch follows "
+                    "from the energy; keep one",
+                    path, path));
+  if (const TomlValue* typed = energy ? energy : stretch; typed && material.law == "projective")
+    findings.add(typed->key_where,
+                 fmt::format("{}.{}: bonds of law = \"projective\" do not break; choose law = \"corotated\" "
+                             "or \"ordinary\"",
+                             path, typed->key));
   if (material.law == "projective") {
     const TomlValue* poisson = value.find("poisson");
     if (!poisson)
@@ -272,6 +285,21 @@ void check_scene(const TomlValue& document, Scene& scene, Findings& findings) {
       for (std::size_t j = 0; regions && regions->kind == Kind::array && j < regions->items.size(); ++j)
         check_reference(regions->items[j], fmt::format("body.{}.region.{}", i, j), materials, findings);
     }
+  }
+  const bool breaks = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                  [](const Material& material) { return material.breaks(); });
+  for (const auto& [table, key] : {std::pair{"render", "color"}, {"output", "fields"}}) {
+    const TomlValue* owner = document.find(table);
+    const TomlValue* typed = owner ? owner->find(key) : nullptr;
+    const bool wanted =
+        std::string_view(table) == "render"
+            ? scene.render.color == "damage"
+            : std::count(scene.output.fields.begin(), scene.output.fields.end(), "damage") > 0;
+    if (typed && wanted && !breaks)
+      findings.add(typed->where,
+                   fmt::format("{}.{}: there is no damage where nothing breaks; give a material a "
+                               "fracture_energy or a critical_stretch",
+                               table, key));
   }
   if (const TomlValue* boundaries = document.find("boundary"); boundaries && boundaries->kind == Kind::array)
     name_things(boundaries, scene.boundaries, "boundary", findings);

@@ -1,6 +1,7 @@
 // Runs the kernels of each law.
 #include "engine/solver/elasticity.h"
 
+#include "engine/model/failure.h"
 #include "engine/solver/state.h"
 #include "kernels/all.h"
 
@@ -8,7 +9,7 @@ namespace pliant {
 
 Elasticity::Elasticity(Device& device, const Scene& scene, const Model& model, SimulationState& state)
     : device_(device), model_(model), state_(state), particles_(static_cast<std::uint32_t>(model.count())),
-      unit_(model.spacing / reference_grid) {
+      unit_(model.spacing / reference_grid), failing_(can_break(scene, model)) {
   for (const Material& material : scene.materials) {
     if (material.law != law_name(Law::projective)) continue;
     deviatoric_ = material.split;
@@ -42,6 +43,7 @@ void Elasticity::state(BufferStorage* displacement) {
     switch (range.law) {
     case Law::corotated:
       device_.run(kernels::corotated_state::Args{.threads = range.count,
+                                                 .failing = failing_,
                                                  .first = range.first,
                                                  .first_slice = range.first_slice,
                                                  .stride = particles_,
@@ -207,6 +209,7 @@ void Elasticity::tangent(BufferStorage* displacement) {
   for (const LawRange& range : model_.laws) {
     if (range.law == Law::corotated)
       device_.run(kernels::corotated_tangent::Args{.threads = range.count,
+                                                   .failing = failing_,
                                                    .first = range.first,
                                                    .first_slice = range.first_slice,
                                                    .stride = particles_,

@@ -43,7 +43,7 @@ private:
   SimulationState& state_;
   std::uint32_t particles_ = 0;
   double unit_ = 0, deviatoric_ = 0;
-  bool swap_rows_ = false;
+  bool swap_rows_ = false, failing_ = false;
 };
 
 } // namespace pliant

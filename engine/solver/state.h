@@ -17,6 +17,8 @@ struct SimulationState {
   Buffer energy;
   // Elasticity.
   Buffer slice_begin, bond, weight, shape, record, rotation, extension;
+  // Failure.
+  Buffer strength, energy_before, released, fracture;
   // Solver.
   Buffer solver, residual_partial;
   // Methods with a line search.
