@@ -64,4 +64,28 @@ template <class real> PLIANT_INLINE uint polar_rotation(const WideMat3<real>& s,
   return bits<real>(failed | live);
 }
 
+/// Lanes that Newton's method gave up: one by one, from the start that they had.
+template <class real>
+[[gnu::noinline]] void rotate_rest(uint failed, const WideMat3<real>& s, const Wide4<real>& before,
+                                   Wide4<real>& q) {
+  for (uint lane = 0; lane < lanes<real>; ++lane) {
+    if (!(failed >> lane & 1)) continue;
+    const Mat3<real> own{{{s.x.x[lane], s.x.y[lane], s.x.z[lane]},
+                          {s.y.x[lane], s.y.y[lane], s.y.z[lane]},
+                          {s.z.x[lane], s.z.y[lane], s.z.z[lane]}}};
+    const Real4<real> found =
+        polar_rotation(own, {before.x[lane], before.y[lane], before.z[lane], before.w[lane]});
+    q.x[lane] = found.x, q.y[lane] = found.y, q.z[lane] = found.z, q.w[lane] = found.w;
+  }
+}
+
+/// polar_rotation() on the first `count` lanes, from `start`.
+template <class real>
+PLIANT_INLINE Wide4<real> polar_rotation(const WideMat3<real>& s, const Wide4<real>& start, uint count) {
+  Wide4<real> q = start;
+  const uint failed = polar_rotation(s, q) & ((2u << (count - 1)) - 1);
+  if (failed) rotate_rest(failed, s, start, q);
+  return q;
+}
+
 } // namespace pliant::openmp::PLIANT_ISA

@@ -122,7 +122,7 @@ public:
         youngs_.empty() ? 0 : static_cast<double>(methods_.size()) * (map_width() + map_left) + margin;
     list_left_ = margin + maps_wide;
     width_ = std::max(list_left_ + label_width + static_cast<double>(columns_.size()) * list_cell + margin,
-                      1260.0);
+                      legend_width);
     const double maps_high =
         youngs_.empty() ? 0 : static_cast<double>(backends_.size()) * (map_height() + map_top) + 30;
     const double list_high = list_head + static_cast<double>(rows_.size()) * list_row;
@@ -150,7 +150,9 @@ public:
 
 private:
   static constexpr double head = 90, map_left = 62, map_top = 66, map_cell = 46, map_row = 22;
-  static constexpr double list_head = 84, list_row = 17, list_cell = 40, label_width = 420;
+  static constexpr double list_head = 84, list_row = 17, list_cell = 40, label_width = 445;
+  static constexpr double legend_width = 1310; ///< the least that draw_legend() needs
+  static constexpr double young_at = 292, ratio_at = 343, step_at = 388; ///< columns of the list
 
   double map_width() const { return static_cast<double>(steps_.size()) * map_cell; }
   double map_height() const { return static_cast<double>(youngs_.size()) * map_row; }
@@ -211,9 +213,9 @@ private:
   void draw_list(Canvas& canvas, double x, double y) const {
     const double cells = x + label_width;
     canvas.text({x, y + list_head - 14}, "problem", normal, ink, Anchor::start, false);
-    canvas.text({x + 280, y + list_head - 14}, "E (Pa)", small, ink, Anchor::start, false);
-    canvas.text({x + 330, y + list_head - 14}, "ratio", small, ink, Anchor::start, false);
-    canvas.text({x + 375, y + list_head - 14}, "h (s)", small, ink, Anchor::start, false);
+    canvas.text({x + young_at, y + list_head - 14}, "E (Pa)", small, ink, Anchor::start, false);
+    canvas.text({x + ratio_at, y + list_head - 14}, "ratio", small, ink, Anchor::start, false);
+    canvas.text({x + step_at, y + list_head - 14}, "h (s)", small, ink, Anchor::start, false);
     for (std::size_t c = 0; c < columns_.size(); ++c)
       canvas.text({cells + (static_cast<double>(c) + 0.5) * list_cell - small / 2, y + list_head - 6},
                   columns_[c].first, small, ink, Anchor::start, true);
@@ -232,9 +234,9 @@ private:
                    text = top + (list_row - small) / 2;
       canvas.lines({{{x, top}, {cells, top}}}, 1, line_colour);
       canvas.text({x, text}, row.name, small, ink, Anchor::start, false);
-      canvas.text({x + 280, text}, young_text(row.young), small, ink, Anchor::start, false);
-      canvas.text({x + 330, text}, fmt::format("{:g}", row.poisson), small, ink, Anchor::start, false);
-      canvas.text({x + 375, text}, power(row.time_step), small, ink, Anchor::start, false);
+      canvas.text({x + young_at, text}, young_text(row.young), small, ink, Anchor::start, false);
+      canvas.text({x + ratio_at, text}, fmt::format("{:g}", row.poisson), small, ink, Anchor::start, false);
+      canvas.text({x + step_at, text}, power(row.time_step), small, ink, Anchor::start, false);
       for (std::size_t c = 0; c < columns_.size(); ++c)
         if (const auto found = at_.find({row, columns_[c]}); found != at_.end())
           draw_cell(canvas, *found->second, cells + static_cast<double>(c) * list_cell, top, list_cell,

@@ -93,21 +93,8 @@ const Table& torus_table() {
 }
 
 const Table& rotate_table() {
-  static const Table table{"rotate",
-                           "rotate = { ... }",
-                           "Turns a shape about its centre.",
-                           {{.name = "axis",
-                             .meaning = "axis; any length but zero",
-                             .slot = at<&Shape::rotate_axis>,
-                             .example = "[0, 1, 0]",
-                             .required = true,
-                             .direction = true},
-                            {.name = "degrees",
-                             .meaning = "angle",
-                             .slot = at<&Shape::rotate_degrees>,
-                             .unit = "degrees",
-                             .example = "90",
-                             .required = true}},
+  static const Table table{"rotate", "rotate = { ... }", "Turns a shape about its centre.",
+                           turn_keys(at<&Shape::rotate_axis>, at<&Shape::rotate_degrees>),
                            std::make_shared<Shape>()};
   return table;
 }

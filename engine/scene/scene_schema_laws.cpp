@@ -27,21 +27,8 @@ bool has_directions(const void* object) {
 }
 
 const Table& turned_table() {
-  static const Table table{"turned",
-                           "rotate = { ... }",
-                           "Turns directions about an axis.",
-                           {{.name = "axis",
-                             .meaning = "axis; any length but zero",
-                             .slot = at<&Anisotropy::rotate_axis>,
-                             .example = "[0, 1, 0]",
-                             .required = true,
-                             .direction = true},
-                            {.name = "degrees",
-                             .meaning = "angle",
-                             .slot = at<&Anisotropy::rotate_degrees>,
-                             .unit = "degrees",
-                             .example = "45",
-                             .required = true}},
+  static const Table table{"turned", "rotate = { ... }", "Turns directions about an axis.",
+                           turn_keys(at<&Anisotropy::rotate_axis>, at<&Anisotropy::rotate_degrees>),
                            std::make_shared<Anisotropy>()};
   return table;
 }

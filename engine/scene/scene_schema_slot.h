@@ -32,6 +32,22 @@ template <auto member> std::vector<void*> every(void* object) {
   return found;
 }
 
+/// `axis` and `degrees` of a turn.
+inline std::vector<Key> turn_keys(Slot (*axis)(void*), Slot (*degrees)(void*)) {
+  return {{.name = "axis",
+           .meaning = "axis; any length but zero",
+           .slot = axis,
+           .example = "[0, 1, 0]",
+           .required = true,
+           .direction = true},
+          {.name = "degrees",
+           .meaning = "angle",
+           .slot = degrees,
+           .unit = "degrees",
+           .example = "90",
+           .required = true}};
+}
+
 constexpr Range positive{.low = 0, .above = true};
 constexpr Range not_negative{.low = 0};
 constexpr Range unit_interval{.low = 0, .high = 1};

@@ -86,7 +86,7 @@ void Direct::begin(const SolveBounds& bounds) {
   factor_ = std::make_unique<Factor>();
   factor_->cholesky.analyzePattern(matrix);
   const double bytes = 12 * factor_->cholesky.entries(); // values, and their share of indices
-  require_memory(fmt::format("the direct solver's factor of {} particles", model.count()), bytes,
+  require_memory(fmt::format("the direct solver's factor of {} particles needs", model.count()), bytes,
                  available_memory(), model.spacing);
   factor_->cholesky.factorize(matrix);
   if (factor_->cholesky.info() != Eigen::Success)

@@ -1,10 +1,7 @@
 // Law M5, neo-Hookean: the stress of the deformation gradient of each neighbourhood, and springs against what
 // no gradient explains.
 #include "engine/model/shape_tensor.h"
-#include "engine/solver/elastic_law.h"
-#include "engine/solver/state.h"
-#include "kernels/corotated_begin.h"
-#include "kernels/corotated_force.h"
+#include "engine/solver/law_record.h"
 #include "kernels/correspondence_energy.h"
 #include "kernels/correspondence_product.h"
 #include "kernels/correspondence_state.h"
@@ -16,9 +13,14 @@ namespace pliant {
 
 namespace {
 
-class NeoHookean : public ElasticLaw {
+using State = kernels::correspondence_state::Args;
+using Energy = kernels::correspondence_energy::Args;
+using Tangent = kernels::correspondence_tangent::Args;
+using Product = kernels::correspondence_product::Args;
+
+class NeoHookean : public RecordLaw<State, Energy, Tangent> {
 public:
-  using ElasticLaw::ElasticLaw;
+  using RecordLaw::RecordLaw;
 
   void upload(const LawRange& range) override {
     std::vector<double> rows(6 * std::size_t{range.count});
@@ -31,105 +33,22 @@ public:
       context_.device.upload(context_.state.shape, std::span(rows).subspan(r * range.count, range.count),
                              (r + 11) * context_.particles + range.first);
   }
-  void begin(const LawRange& range) override {
-    const SimulationState& s = context_.state;
-    context_.device.run(kernels::corotated_begin::Args{.threads = range.count,
-                                                       .first = range.first,
-                                                       .first_slice = range.first_slice,
-                                                       .stride = context_.particles,
-                                                       .unit = context_.unit,
-                                                       .slice_begin = s.slice_begin,
-                                                       .bond = s.bond,
-                                                       .weight = s.weight,
-                                                       .position = s.position,
-                                                       .shape = s.shape,
-                                                       .linear_start = s.linear_start});
-  }
-  void state(const LawRange& range, BufferStorage* displacement) override {
-    const SimulationState& s = context_.state;
-    context_.device.run(kernels::correspondence_state::Args{.threads = range.count,
-                                                            .first = range.first,
-                                                            .first_slice = range.first_slice,
-                                                            .stride = context_.particles,
-                                                            .unit = context_.unit,
-                                                            .slice_begin = s.slice_begin,
-                                                            .bond = s.bond,
-                                                            .weight = s.weight,
-                                                            .displacement = displacement,
-                                                            .shape = s.shape,
-                                                            .rotation = s.rotation,
-                                                            .record = s.record,
-                                                            .solver = s.solver});
-  }
-  void force(const LawRange& range) override { gather(range, false); }
-  void energy(const LawRange& range, BufferStorage* displacement, bool gated) override {
-    const SimulationState& s = context_.state;
-    context_.device.run(
-        kernels::correspondence_energy::Args{.threads = range.count,
-                                             .gated = gated,
-                                             .first = range.first,
-                                             .first_slice = range.first_slice,
-                                             .stride = context_.particles,
-                                             .unit = context_.unit,
-                                             .gate = gated ? static_cast<BufferStorage*>(s.solver) : nullptr,
-                                             .slice_begin = s.slice_begin,
-                                             .bond = s.bond,
-                                             .weight = s.weight,
-                                             .position = s.position,
-                                             .displacement = displacement,
-                                             .shape = s.shape,
-                                             .rotation = s.rotation,
-                                             .energy = s.energy});
-  }
-  void tangent(const LawRange& range, BufferStorage* displacement) override {
-    const SimulationState& s = context_.state;
-    context_.device.run(kernels::correspondence_tangent::Args{.threads = range.count,
-                                                              .first = range.first,
-                                                              .first_slice = range.first_slice,
-                                                              .stride = context_.particles,
-                                                              .unit = context_.unit,
-                                                              .slice_begin = s.slice_begin,
-                                                              .bond = s.bond,
-                                                              .weight = s.weight,
-                                                              .displacement = displacement,
-                                                              .shape = s.shape,
-                                                              .rotation = s.rotation,
-                                                              .solver = s.solver,
-                                                              .tangent = s.tangent});
-  }
   void product(const LawRange& range, BufferStorage* direction) override {
     const SimulationState& s = context_.state;
-    context_.device.run(kernels::correspondence_product::Args{.threads = range.count,
-                                                              .first = range.first,
-                                                              .first_slice = range.first_slice,
-                                                              .stride = context_.particles,
-                                                              .unit = context_.unit,
-                                                              .slice_begin = s.slice_begin,
-                                                              .bond = s.bond,
-                                                              .weight = s.weight,
-                                                              .direction = direction,
-                                                              .tangent = s.tangent,
-                                                              .solver = s.solver,
-                                                              .shape = s.shape,
-                                                              .record = s.record});
+    context_.device.run(Product{.threads = range.count,
+                                .first = range.first,
+                                .first_slice = range.first_slice,
+                                .stride = context_.particles,
+                                .unit = context_.unit,
+                                .slice_begin = s.slice_begin,
+                                .bond = s.bond,
+                                .weight = s.weight,
+                                .direction = direction,
+                                .tangent = s.tangent,
+                                .solver = s.solver,
+                                .shape = s.shape,
+                                .record = s.record});
     gather(range, true);
-  }
-
-private:
-  void gather(const LawRange& range, bool product) {
-    const SimulationState& s = context_.state;
-    context_.device.run(kernels::corotated_force::Args{.threads = range.count,
-                                                       .product = product,
-                                                       .first = range.first,
-                                                       .first_slice = range.first_slice,
-                                                       .unit = context_.unit,
-                                                       .slice_begin = s.slice_begin,
-                                                       .bond = s.bond,
-                                                       .weight = s.weight,
-                                                       .record = s.record,
-                                                       .linear_start = s.linear_start,
-                                                       .force = s.force,
-                                                       .solver = s.solver});
   }
 };
 
@@ -140,20 +59,7 @@ std::unique_ptr<ElasticLaw> make_neo_hookean(const LawContext& context) {
 }
 
 LawNeeds neo_hookean_needs(const LawRequest& request) {
-  LawNeeds needs;
-  const std::size_t n = request.model.count();
-  needs.shape_rows = 17; // and nine of S, six of the inverse shape tensor
-  needs.buffers = {{"record", Type::real4, 3 * n, ""}, {"rotation", Type::real4, n, ""}};
-  needs.kernel(kernels::corotated_begin::Args{});
-  needs.kernel(kernels::correspondence_state::Args{});
-  needs.kernel(kernels::corotated_force::Args{});
-  if (request.derivative) {
-    needs.kernel(kernels::correspondence_tangent::Args{});
-    needs.kernel(kernels::correspondence_product::Args{});
-    needs.kernel(kernels::corotated_force::Args{.product = 1});
-  }
-  needs.energy<kernels::correspondence_energy::Args>(request);
-  return needs;
+  return record_needs<State, Energy, Tangent, Product>(request, 17); // six of the inverse shape tensor
 }
 
 } // namespace pliant

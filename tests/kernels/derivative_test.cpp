@@ -1,7 +1,10 @@
 // The chains of kernels behind Newton's method, on every device against double on the CPU: the derivative's
 // product (tangents, products, contacts), and the multilevel preconditioner (coarse_*, precondition). What
 // double computes is held to formulas in tests/physics/derivatives.cpp and multilevel.cpp.
+#include "engine/plan/plan.h"
 #include "tests/support/solve_rig.h"
+
+#include <set>
 
 namespace pliant::test {
 namespace {
@@ -134,6 +137,30 @@ TEST_P(Derivative, ProductsOfInvertedAndConvexOnes) {
     expect_above(std::string(law) + ": what the push adds, roundings", measured(without.product(p), wanted),
                  1e4);
   }
+}
+
+// The worlds above, by law, run every kernel of these chains: one that is added must come into one of them.
+TEST(DerivativeChains, AreWhole) {
+  std::set<std::string> run;
+  for (const char* law : {"corotated", "ordinary", "neo-hookean", "stvk", "clamped"}) {
+    Material material = material_of(law, 1e6, 0.3);
+    if (material.law == "clamped") material.law = "ordinary", material.inversion = "clamp";
+    const Touching world(material, 0.5);
+    const Plan plan = make_plan(world.scene, world.model, slice_bonds(world.model), {});
+    for (const KernelSpec& kernel : plan.kernels) run.insert(kernel.info->name);
+  }
+  std::size_t count = 0;
+  for (const std::string kernel : {
+#define PLIANT_KERNEL(name) #name,
+#include "kernels/all.inc"
+#undef PLIANT_KERNEL
+       })
+    for (const char* part : {"coarse_", "_tangent", "_product"})
+      if (kernel.find(part) != std::string::npos) {
+        EXPECT_TRUE(run.count(kernel)) << "no scene of this file runs '" << kernel << "'";
+        ++count;
+      }
+  EXPECT_GE(count, 20u);
 }
 
 // With the flag down no kernel of a direction writes anything.

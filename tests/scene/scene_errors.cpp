@@ -70,6 +70,10 @@ struct RangeCase {
   const char* text;
   const char* said;
 };
+// ctest names a test by what its parameter prints: without this, by addresses that differ from run to run.
+void PrintTo(const RangeCase& tried, std::ostream* out) {
+  *out << tried.text;
+}
 class SceneRanges : public testing::TestWithParam<RangeCase> {};
 TEST_P(SceneRanges, AreHeld) {
   const auto [line, text, said] = GetParam();

@@ -6,25 +6,6 @@
 
 namespace pliant::openmp::PLIANT_ISA {
 
-namespace {
-
-/// Lanes that Newton's method gave up: one by one, from the start that they had.
-template <class real>
-[[gnu::noinline]] void rotate_rest(uint failed, const WideMat3<real>& s, const Wide4<real>& before,
-                                   Wide4<real>& q) {
-  for (uint lane = 0; lane < lanes<real>; ++lane) {
-    if (!(failed >> lane & 1)) continue;
-    const Mat3<real> own{{{s.x.x[lane], s.x.y[lane], s.x.z[lane]},
-                          {s.y.x[lane], s.y.y[lane], s.y.z[lane]},
-                          {s.z.x[lane], s.z.y[lane], s.z.z[lane]}}};
-    const Real4<real> found =
-        polar_rotation(own, {before.x[lane], before.y[lane], before.z[lane], before.w[lane]});
-    q.x[lane] = found.x, q.y[lane] = found.y, q.z[lane] = found.z, q.w[lane] = found.w;
-  }
-}
-
-} // namespace
-
 template <class real> void corotated_state(const kernels::corotated_state::View<real>& k) {
   if (k.solver[SOLVER_STOP] > 0) return;
   const real unit = grid_unit(k.unit);
@@ -44,10 +25,7 @@ template <class real> void corotated_state(const kernels::corotated_state::View<
         *value = inverse_modulus * (unit * *value + load_wide(start));
         start += k.stride;
       }
-      const Wide4<real> before = gather(k.rotation, part.index);
-      Wide4<real> q = before;
-      const uint failed = polar_rotation(s, q) & ((2u << (part.count - 1)) - 1);
-      if (failed) rotate_rest(failed, s, before, q);
+      const Wide4<real> q = polar_rotation(s, gather(k.rotation, part.index), part.count);
       const WideMat3<real> r = rotation_matrix<real>(q);
       const Wide<real> theta = inner(r, s);
       const Wide<real> scale = 1 - load_wide(k.shape + k.stride + i) * (theta - 1);

@@ -7,25 +7,6 @@
 
 namespace pliant::openmp::PLIANT_ISA {
 
-namespace {
-
-/// Lanes that Newton's method gave up: one by one, from the start that they had.
-template <class real>
-[[gnu::noinline]] void rotate_rest(uint failed, const WideMat3<real>& f, const Wide4<real>& before,
-                                   Wide4<real>& q) {
-  for (uint lane = 0; lane < lanes<real>; ++lane) {
-    if (!(failed >> lane & 1)) continue;
-    const Mat3<real> own{{{f.x.x[lane], f.x.y[lane], f.x.z[lane]},
-                          {f.y.x[lane], f.y.y[lane], f.y.z[lane]},
-                          {f.z.x[lane], f.z.y[lane], f.z.z[lane]}}};
-    const Real4<real> found =
-        polar_rotation(own, {before.x[lane], before.y[lane], before.z[lane], before.w[lane]});
-    q.x[lane] = found.x, q.y[lane] = found.y, q.z[lane] = found.z, q.w[lane] = found.w;
-  }
-}
-
-} // namespace
-
 template <class real> void correspondence_state(const kernels::correspondence_state::View<real>& k) {
   if (k.solver[SOLVER_STOP] > 0) return;
   const real unit = grid_unit(k.unit);
@@ -51,10 +32,7 @@ template <class real> void correspondence_state(const kernels::correspondence_st
       const Wide<real> pressure = stiffness * (dot(f.x, cof.x) - 1) - 1; // (lambda / mu)(J - alpha)
       const WideMat3<real> stress = product<real>(plus<real>(f, pressure, cof), inverse_shape);
       const WideMat3<real> a = plus<real>(f, spread(real(-1) / 3), stress);
-      const Wide4<real> before = gather(k.rotation, part.index);
-      Wide4<real> q = before;
-      const uint failed = polar_rotation(f, q) & ((2u << (part.count - 1)) - 1);
-      if (failed) rotate_rest(failed, f, before, q);
+      const Wide4<real> q = polar_rotation(f, gather(k.rotation, part.index), part.count);
       store(k.rotation + i, part.count, q);
       Real4<real>* const record = k.record + 3 * std::size_t{i};
       store<3>(record, part.count, Wide4<real>{a.x.x, a.x.y, a.x.z, ui.x});
