@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 #include <map>
 #include <set>
+#include <tuple>
 
 namespace pliant {
 
@@ -33,7 +34,8 @@ Colour effort_colour(double iterations) {
   constexpr Colour few = {214, 239, 208}, some = {78, 162, 190}, many = {20, 50, 120};
   const auto mix = [](Colour a, Colour b, double t) {
     Colour c{};
-    for (std::size_t k = 0; k < 3; ++k) c[k] = static_cast<std::uint8_t>(a[k] + (b[k] - a[k]) * t + 0.5);
+    for (std::size_t k = 0; k < 3; ++k)
+      c[k] = static_cast<std::uint8_t>(std::lround(a[k] + (b[k] - a[k]) * t));
     return c;
   };
   return share < 0.5 ? mix(few, some, 2 * share) : mix(some, many, 2 * share - 1);
@@ -91,7 +93,11 @@ using Column = std::pair<std::string, std::string>;
 struct Row {
   std::string name;
   double young, poisson, time_step;
-  auto operator<=>(const Row&) const = default;
+  bool operator==(const Row&) const = default;
+  bool operator<(const Row& other) const {
+    return std::tie(name, young, poisson, time_step) <
+           std::tie(other.name, other.young, other.poisson, other.time_step);
+  }
 };
 
 class Map {

@@ -74,11 +74,11 @@ void check_basis_law(const TomlValue& value, Material& material, const std::stri
     for (const auto& [key, shares] : {std::pair{"g", &material.volume_basis}, {"h", &material.bond_basis}})
       if (const TomlValue* typed = basis->find(key); typed && typed->kind == TomlValue::Kind::table)
         find_fault(typed->where, fmt::format("{}.basis.{}", path, key), findings,
-                   [&] { basis_sum(*shares); });
+                   [&, listed = shares] { basis_sum(*listed); });
   if (findings.count() > before) return;
   const TomlValue* blamed = law == "basis" ? basis : value.find("law");
   if (law == "basis" && (material.volume_basis.empty() || material.bond_basis.empty())) return;
-  find_fault(blamed->where, path, findings, [&] { stretch_energy(material); });
+  find_fault(blamed ? blamed->where : value.where, path, findings, [&] { stretch_energy(material); });
 }
 
 } // namespace pliant

@@ -33,10 +33,10 @@ std::uint32_t middle_of(const Model& model) {
 
 std::vector<Matrix3> strains() {
   std::vector<Matrix3> all(6, Matrix3::Zero());
-  for (int k = 0; k < 3; ++k) {
-    all[static_cast<std::size_t>(k)](k, k) = 1;
-    const int a = (k + 1) % 3, b = (k + 2) % 3;
-    all[static_cast<std::size_t>(3 + k)](a, b) = all[static_cast<std::size_t>(3 + k)](b, a) = 0.5;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto c = static_cast<Eigen::Index>(k), a = (c + 1) % 3, b = (c + 2) % 3;
+    all[k](c, c) = 1;
+    all[3 + k](a, b) = all[3 + k](b, a) = 0.5;
   }
   return all;
 }

@@ -52,7 +52,7 @@ public:
     for (const Field& field : kernel.fields) {
       if (field.role < Role::table || !names_[variant].count(field.name)) continue;
       BufferStorage* buffer = nullptr;
-      std::memcpy(&buffer, static_cast<const char*>(args) + field.offset, sizeof buffer);
+      std::memcpy(static_cast<void*>(&buffer), static_cast<const char*>(args) + field.offset, sizeof(void*));
       if (buffer)
         used.insert(buffer->name());
       else
