@@ -17,7 +17,11 @@ void main() {
     s += outerProduct(weight[entry] * du, unpack_bond(bond[entry + 16], unit));
   }
   s *= shape[i];
+#if plane
+  vec4 q = plane_rotation(s, rotation[i]);
+#else
   vec4 q = polar_rotation(s, rotation[i]);
+#endif
   mat3 r = rotation_matrix(q);
   float theta = dot(r[0], s[0]) + dot(r[1], s[1]) + dot(r[2], s[2]);
   mat3 a = (1.0 - shape[stride + i] * (theta - 1.0)) * r;

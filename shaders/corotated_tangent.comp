@@ -23,7 +23,12 @@ void main() {
   float xx = theta - u[0][0], yy = theta - u[1][1], zz = theta - u[2][2];
   float xy = -0.5 * (u[0][1] + u[1][0]), xz = -0.5 * (u[0][2] + u[2][0]), yz = -0.5 * (u[1][2] + u[2][1]);
   float scale = 1.0 - coupling * (theta - 1.0);
-  float lowest = solver[SOLVER_CONVEX] > 0.0 ? max(0.02, scale * 2.0 / 3.0) : 0.02; // of an eigenvalue
+#if flat
+  float kept = scale;
+#else
+  float kept = scale * 2.0 / 3.0;
+#endif
+  float lowest = solver[SOLVER_CONVEX] > 0.0 ? max(0.02, kept) : 0.02; // of an eigenvalue
   float least = min(xx - abs(xy) - abs(xz), min(yy - abs(xy) - abs(yz), zz - abs(xz) - abs(yz)));
   // Gershgorin's bound, then Newton's method on the characteristic polynomial, which nears the least root from below.
   float c1 = xx + yy + zz, c2 = xx * yy + yy * zz + zz * xx - xy * xy - xz * xz - yz * yz;

@@ -33,6 +33,21 @@ template <class real> PLIANT_INLINE Wide4<real> turned(const Wide4<real>& q, con
   return {scale * p.x, scale * p.y, scale * p.z, scale * p.w};
 }
 
+/// Twin of plane_rotation() in rotation.glsl, on each lane.
+template <class real>
+PLIANT_INLINE Wide4<real> plane_rotation(const WideMat3<real>& s, const Wide4<real>& before) {
+  const Wide<real> along = s.x.x + s.y.y, across = s.y.x - s.x.y, none{};
+  const Wide<real> size =
+      magnitudes<real>(s.x.x) + magnitudes<real>(s.y.y) + magnitudes<real>(s.x.y) + magnitudes<real>(s.y.x);
+  const Wide<real> length = root_wide<real>(along * along + across * across);
+  const WideMask<real> turns = length > real(1e-6) * size;
+  const Wide<real> c = along / length, n = across / length; // cosine and sine
+  const WideMask<real> acute = c >= 0;
+  const Wide<real> z = acute ? n : 1 - c, w = acute ? 1 + c : n, scale = 1 / root_wide<real>(z * z + w * w);
+  return {turns ? none : before.x, turns ? none : before.y, turns ? scale * z : before.z,
+          turns ? scale * w : before.w};
+}
+
 /// Newton's method of polar_rotation() on each lane until all have converged. The result has a bit for every
 /// lane where it does not apply (flat, inverted, collapsed): polar_rotation() must answer there, from the
 /// same q.

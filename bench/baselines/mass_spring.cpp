@@ -32,8 +32,8 @@ public:
         if (j < i) continue;
         const double length = (model.reference[j] - model.reference[i]).norm();
         const double share =
-            scene.materials[model.material[i]].young * model.volume[i] * bonds.weight[b] +
-            scene.materials[model.material[j]].young * model.volume[j] * bonds.weight[bonds.reverse[b]];
+            typed_material(scene, model, i).young * model.volume[i] * bonds.weight[b] +
+            typed_material(scene, model, j).young * model.volume[j] * bonds.weight[bonds.reverse[b]];
         const double stiffness = 6 * share / (length * length);
         springs_.push_back({i, j, length, stiffness});
         total_[i] += stiffness, total_[j] += stiffness;

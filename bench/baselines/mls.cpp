@@ -33,7 +33,7 @@ public:
     Points force(y.size(), Vector3::Zero());
     for (std::uint32_t i = 0; i < y.size(); ++i) {
       if (inverse_[i].isZero(0)) continue;
-      const Material& material = scene_.materials[model_.material[i]];
+      const Material& material = typed_material(scene_, model_, i);
       const double mu = material.young / (2 * (1 + material.poisson));
       const double lambda = 2 * mu * material.poisson / (1 - 2 * material.poisson);
       Matrix3 f = Matrix3::Zero();

@@ -52,6 +52,31 @@ template <class Function> double sphere_mean(Vector3 strengths, Function f) {
   return sum / (std::numbers::pi / 2);
 }
 
+/// Over a circle, of an ellipse.
+template <class Function> double circle_mean(double one, double other, Function f) {
+  const double least = std::min(one, other), most = std::max(one, other);
+  return quarter_turn([&](double angle) {
+           return f(std::hypot(most * std::sin(angle), least * std::cos(angle)));
+         }) /
+         (std::numbers::pi / 2);
+}
+
+/// Of the directions in the plane that a flat neighbourhood fills best.
+double mean_in_plane(const Model& model, std::size_t i, const Matrix3& directions, const Vector3& strengths) {
+  Matrix3 spread = Matrix3::Zero();
+  for (std::uint32_t b = model.bonds.begin[i]; b < model.bonds.begin[i + 1]; ++b) {
+    const Vector3 xi = (model.reference[model.bonds.neighbour[b]] - model.reference[i]).normalized();
+    spread += xi * xi.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix3> solver(spread);
+  const Matrix3& axes = model.bodies[model.body[i]].axes;
+  Eigen::Matrix<double, 3, 2> along = axes * solver.eigenvectors().rightCols<2>();
+  along = strengths.asDiagonal() * (directions * along);
+  const Eigen::Vector2d squares =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(along.transpose() * along).eigenvalues();
+  return mean_strength(std::sqrt(squares[0]), std::sqrt(squares[1]));
+}
+
 } // namespace
 
 double mean_strength(const Vector3& strengths) {
@@ -60,6 +85,14 @@ double mean_strength(const Vector3& strengths) {
 
 double mean_softness(const Vector3& strengths) {
   return mean_strength(strengths) * sphere_mean(strengths, [](double size) { return 1 / size; });
+}
+
+double mean_strength(double one, double other) {
+  return circle_mean(one, other, [](double size) { return size; });
+}
+
+double mean_softness(double one, double other) {
+  return mean_strength(one, other) * circle_mean(one, other, [](double size) { return 1 / size; });
 }
 
 void check_anisotropy(const Anisotropy& anisotropy) {
@@ -113,27 +146,29 @@ double strength_along(const Vector3& direction, const Matrix3& directions, const
   return strengths.cwiseProduct(directions * direction).norm() / mean;
 }
 
-std::vector<double> bond_strengths(const Model& model, const std::vector<Material>& materials) {
-  std::vector<double> mean(materials.size(), 0);
+std::vector<double> bond_strengths(const Scene& scene, const Model& model) {
+  std::vector<double> mean(model.constants.size(), 0);
   bool any = false;
-  for (const std::uint32_t m : model.material) {
-    if (!materials[m].anisotropy.given || mean[m] > 0) continue;
-    check_anisotropy(materials[m].anisotropy);
-    mean[m] = mean_strength(materials[m].anisotropy.strengths);
+  for (std::size_t i = 0; i < model.count(); ++i) {
+    const Anisotropy& anisotropy = typed_material(scene, model, i).anisotropy;
+    if (!anisotropy.given || mean[model.material[i]] > 0) continue;
+    check_anisotropy(anisotropy);
+    mean[model.material[i]] = mean_strength(anisotropy.strengths);
     any = true;
   }
   if (!any) return {};
   std::vector<double> strength(model.bonds.count(), 1.0);
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < model.count(); ++i) {
-    const Anisotropy& anisotropy = materials[model.material[i]].anisotropy;
+    const Anisotropy& anisotropy = typed_material(scene, model, i).anisotropy;
     if (!anisotropy.given) continue;
     const BodyModel& body = model.bodies[model.body[i]];
     const Matrix3 directions = directions_at(anisotropy, body.origin + body.axes * model.reference[i]);
+    const double usual = body.thickness > 0 ? mean_in_plane(model, i, directions, anisotropy.strengths)
+                                            : mean[model.material[i]];
     for (std::uint32_t b = model.bonds.begin[i]; b < model.bonds.begin[i + 1]; ++b) {
       const Vector3 xi = model.reference[model.bonds.neighbour[b]] - model.reference[i];
-      strength[b] = strength_along((body.axes * xi).normalized(), directions, anisotropy.strengths,
-                                   mean[model.material[i]]);
+      strength[b] = strength_along((body.axes * xi).normalized(), directions, anisotropy.strengths, usual);
     }
   }
   return strength;

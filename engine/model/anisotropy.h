@@ -1,6 +1,7 @@
 // Stiffness of bonds by direction (Xu et al. 2018, Eq. 18, corrected):
 //
 //   G(N) = |Sigma R^T N| / <|Sigma R^T N|>,   N the direction of a bond at rest, <> the mean over the sphere
+//                                           (of what is flat: over its circle)
 //
 // The columns of R are the material's directions, so that R^T N are the components of N along them; Sigma
 // holds their strengths. Divided by its mean, G leaves the average stiffness alone, which strengths of
@@ -16,6 +17,9 @@ double mean_strength(const Vector3& strengths);
 /// <1/G> over the sphere, at least 1: how much softer bonds of unequal strength are to dilation that they
 /// share as they like.
 double mean_softness(const Vector3& strengths);
+/// The same over a circle, of an ellipse with these half axes.
+double mean_strength(double one, double other);
+double mean_softness(double one, double other);
 
 /// Rows: the three directions at a place, m, in the scene's axes. Throws Error(usage): strengths that are not
 /// positive, directions that are not orthonormal.
@@ -29,6 +33,6 @@ void check_anisotropy(const Anisotropy& anisotropy);
 
 /// G_ij of every bond, by the material of its own particle; empty where no particle has a material with
 /// directions. Throws Error(usage).
-std::vector<double> bond_strengths(const Model& model, const std::vector<Material>& materials);
+std::vector<double> bond_strengths(const Scene& scene, const Model& model);
 
 } // namespace pliant

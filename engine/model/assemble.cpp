@@ -52,6 +52,16 @@ std::uint32_t material_index(const Scene& scene, const std::string& name, const 
   throw Error(ExitCode::usage, fmt::format("{}: there is no material '{}'", place, name));
 }
 
+void add_constants(const Scene& scene, std::uint32_t material, Neighbourhood neighbourhood, Model& model) {
+  const Material& m = scene.materials[material];
+  located(fmt::format("{}: material '{}'", scene.file.string(), m.name), [&] {
+    if (!(m.density > 0) || !std::isfinite(m.density))
+      throw Error(ExitCode::usage, fmt::format("the density must be positive, not {} kg/m3", m.density));
+    model.constants.push_back(law_constants(m, neighbourhood));
+    model.stretch.push_back(stretch_energy(m, neighbourhood));
+  });
+}
+
 /// Builds one body of the scene and appends it to the model.
 class BodyBuilder {
 public:
@@ -71,10 +81,14 @@ public:
   }
 
   Law law() const { return law_; }
+  /// In three dimensions; a particle of it stands for spacing^2 times its thickness.
+  bool sheet() const {
+    return scene_.simulation.dimension == 3 &&
+           (body_.thickness.has_value() || body_.shape.kind == Shape::Kind::sheet);
+  }
 
   void build() {
-    const Sampling sampling =
-        located(place_, [&] { return sample(body_.shape, scene_.simulation.spacing, folder()); });
+    const Sampling sampling = located(place_, [&] { return sample_body(scene_.simulation.spacing); });
     for (const std::string& warning : sampling.warnings) model_.warnings.push_back(place_ + ": " + warning);
     check_memory(sampling);
     place(sampling);
@@ -82,7 +96,8 @@ public:
     set_materials(sampling);
     const WeightReport report = located(place_, [&] {
       return compute_weights(particles_.arrangement.bonds, particles_.arrangement.reference, model_.spacing,
-                             law_, scene_.simulation.weights, scene_.simulation.weight_exponent);
+                             law_, scene_.simulation.weights, influence_of(scene_.simulation, horizon()),
+                             flat() ? 2 : 3);
     });
     merge(model_.weight_report, report, model_.count(), particles_.position.size());
     apply_conditions();
@@ -98,10 +113,19 @@ private:
   }
 
   std::filesystem::path folder() const { return scene_.file.parent_path(); }
+  double horizon() const { return body_.horizon.value_or(scene_.simulation.horizon); } ///< spacings
+  bool flat() const { return scene_.simulation.dimension == 2 || sheet(); }
+  double thickness() const { return flat() ? body_.thickness.value_or(sheet() ? 0 : 1) : 0; }
+
+  Sampling sample_body(double spacing) const {
+    if (scene_.simulation.dimension == 2) return sample_section(body_.shape, thickness(), spacing, folder());
+    return sheet() ? sample_sheet(body_.shape, thickness(), spacing, folder())
+                   : sample(body_.shape, spacing, folder());
+  }
 
   void place(const Sampling& sampling) {
-    particles_.arrangement =
-        located(place_, [&] { return arrange(sampling.reference, model_.spacing, model_.horizon); });
+    particles_.arrangement = located(
+        place_, [&] { return arrange(sampling.reference, model_.spacing, horizon() * model_.spacing); });
     particles_.position.reserve(sampling.reference.size());
     for (const Vector3& r : particles_.arrangement.reference)
       particles_.position.push_back(sampling.origin + sampling.axes * r);
@@ -111,7 +135,8 @@ private:
   /// Of the bodies so far and this one, to assemble and to run them.
   void check_memory(const Sampling& sampling) const {
     const double particles = static_cast<double>(model_.count() + sampling.reference.size());
-    const double neighbours = 4.0 / 3 * std::numbers::pi * std::pow(scene_.simulation.horizon, 3);
+    const double neighbours = flat() ? std::numbers::pi * std::pow(horizon(), 2)
+                                     : 4.0 / 3 * std::numbers::pi * std::pow(horizon(), 3);
     located(place_, [&] {
       require_memory(
           fmt::format("with this body the scene has {:.3g} particles of about {:.0f} neighbours and needs",
@@ -121,7 +146,7 @@ private:
   }
 
   void check_sparse(const Sampling& sampling) {
-    const std::optional<std::string> found = sparseness(particles_.arrangement.bonds);
+    const std::optional<std::string> found = sparseness(particles_.arrangement.bonds, flat());
     if (!found) return;
     if (scene_.allow_sparse) {
       model_.warnings.push_back(fmt::format("{} {}", place_, *found));
@@ -130,8 +155,7 @@ private:
     throw Error(ExitCode::usage,
                 fmt::format("{} {} at a spacing of {:.4g} m and a horizon of {:.4g} spacings; {}, or "
                             "allow \"sparse\"",
-                            place_, *found, model_.spacing, scene_.simulation.horizon,
-                            advise_spacing(sampling.volume)));
+                            place_, *found, model_.spacing, horizon(), advise_spacing(sampling.volume)));
   }
 
   /// Tries smaller spacings on the body itself, since what is thin is not known beforehand.
@@ -141,11 +165,11 @@ private:
       spacing *= 0.75;
       const double scale = std::pow(10, std::floor(std::log10(spacing)) - 1);
       const double rounded = std::floor(spacing / scale) * scale; // two digits, downwards
-      if (volume / (rounded * rounded * rounded) > largest_trial)
+      if (volume / (rounded * rounded * (flat() ? thickness() : rounded)) > largest_trial)
         return fmt::format("no spacing down to {:.2g} m would do either: the shape is too thin", rounded);
-      const Sampling trial = sample(body_.shape, rounded, folder());
-      const Arrangement body = arrange(trial.reference, rounded, scene_.simulation.horizon * rounded);
-      if (!sparseness(body.bonds)) return fmt::format("a spacing of {:.2g} m would do", rounded);
+      const Sampling trial = sample_body(rounded);
+      const Arrangement body = arrange(trial.reference, rounded, horizon() * rounded);
+      if (!sparseness(body.bonds, flat())) return fmt::format("a spacing of {:.2g} m would do", rounded);
     }
   }
 
@@ -181,6 +205,20 @@ private:
     particles_.mass.resize(count);
     for (std::size_t i = 0; i < count; ++i)
       particles_.mass[i] = scene_.materials[particles_.material[i]].density * particles_.volume[i];
+    if (!sheet()) return;
+    for (std::uint32_t& material : particles_.material) material = of_sheets(material);
+  }
+
+  /// The same material calibrated for sheets.
+  std::uint32_t of_sheets(std::uint32_t typed) {
+    std::vector<std::uint32_t>& known = model_.sheet_material;
+    const auto found = std::find(known.begin(), known.end(), typed);
+    const auto index =
+        static_cast<std::uint32_t>(scene_.materials.size() + std::size_t(found - known.begin()));
+    if (found != known.end()) return index;
+    known.push_back(typed);
+    add_constants(scene_, typed, Neighbourhood::plane_stress, model_);
+    return index;
   }
 
   void apply_conditions() {
@@ -229,6 +267,7 @@ private:
     described.axes = sampling.axes;
     described.color = body_.color.value_or(scene_.materials[base_material_].color);
     described.self_contact = body_.self_contact;
+    described.thickness = thickness();
     described.surface = sampling.surface;
     if (!sampling.surface) return;
     described.surface_reference.reserve(sampling.surface->vertices.size());
@@ -264,6 +303,26 @@ void warn_of_calibration(const Scene& scene, Model& model) {
   }
 }
 
+/// Of the materials as the scene numbers them. One that only sheets have may have a ratio that no solid could
+/// have.
+void set_constants(const Scene& scene, const std::vector<BodyBuilder>& builders, Model& model) {
+  model.dimension = scene.simulation.dimension;
+  const Neighbourhood usual = model.dimension == 3                 ? Neighbourhood::solid
+                              : scene.simulation.plane == "stress" ? Neighbourhood::plane_stress
+                                                                   : Neighbourhood::plane_strain;
+  for (std::uint32_t m = 0; m < scene.materials.size(); ++m) {
+    bool of_solids = false, of_sheets = false;
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+      const Body& body = scene.bodies[b];
+      const auto is = [&](const std::string& name) { return name == scene.materials[m].name; };
+      if (is(body.material) || std::any_of(body.regions.begin(), body.regions.end(),
+                                           [&](const MaterialRegion& region) { return is(region.material); }))
+        (builders[b].sheet() ? of_sheets : of_solids) = true;
+    }
+    add_constants(scene, m, of_sheets && !of_solids ? Neighbourhood::plane_stress : usual, model);
+  }
+}
+
 /// Turns ids that count from 0 in each body into ids that count through the scene.
 void number_through(Model& model) {
   std::uint32_t next = 0;
@@ -280,21 +339,11 @@ Model assemble(const Scene& scene) {
   model.spacing = scene.simulation.spacing;
   model.horizon = scene.simulation.horizon * scene.simulation.spacing;
   model.bonds.begin.push_back(0);
-  for (const Material& material : scene.materials)
-    model.constants.push_back(
-        located(fmt::format("{}: material '{}'", scene.file.string(), material.name), [&] {
-          if (!(material.density > 0) || !std::isfinite(material.density))
-            throw Error(ExitCode::usage,
-                        fmt::format("the density must be positive, not {} kg/m3", material.density));
-          return law_constants(material);
-        }));
-  for (const Material& material : scene.materials)
-    model.stretch.push_back(located(fmt::format("{}: material '{}'", scene.file.string(), material.name),
-                                    [&] { return stretch_energy(material); }));
   model.bodies.resize(scene.bodies.size());
   std::vector<BodyBuilder> builders;
   builders.reserve(scene.bodies.size());
   for (std::uint32_t b = 0; b < scene.bodies.size(); ++b) builders.emplace_back(scene, b, model);
+  set_constants(scene, builders, model);
   std::vector<std::uint32_t> order(scene.bodies.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(),
@@ -302,7 +351,7 @@ Model assemble(const Scene& scene) {
   for (const std::uint32_t b : order) builders[b].build();
   number_through(model);
   require_solid(scene, model);
-  model.bonds.strength = located(scene.file.string(), [&] { return bond_strengths(model, scene.materials); });
+  model.bonds.strength = located(scene.file.string(), [&] { return bond_strengths(scene, model); });
   warn_of_calibration(scene, model);
   if (const std::optional<Overlap> found = overlap(model)) {
     const std::string text =

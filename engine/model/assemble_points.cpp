@@ -59,7 +59,9 @@ Model assemble_points(const std::vector<Vector3>& points, double spacing, double
   particles.material.assign(points.size(), 0);
   model.bodies.push_back(std::move(body));
   append(model, 0, law, std::move(particles));
-  model.bonds.strength = bond_strengths(model, {material});
+  Scene scene;
+  scene.materials = {material};
+  model.bonds.strength = bond_strengths(scene, model);
   return model;
 }
 

@@ -14,7 +14,8 @@ namespace pliant {
 namespace {
 
 constexpr std::size_t fewest_particles = 8;
-constexpr std::uint32_t fewest_neighbours = 4; ///< three directions and one to tell the sides apart
+/// Three directions, or two, and one to tell the sides apart.
+constexpr std::uint32_t fewest_of_solid = 4, fewest_of_sheet = 3;
 constexpr double sparse_share = 0.1;
 constexpr double closest = 0.5; ///< spacings between particles of different bodies
 
@@ -91,7 +92,8 @@ Crossings find_crossings(const Model& model, double reach) {
 
 } // namespace
 
-std::optional<std::string> sparseness(const Bonds& bonds) {
+std::optional<std::string> sparseness(const Bonds& bonds, bool flat) {
+  const std::uint32_t fewest_neighbours = flat ? fewest_of_sheet : fewest_of_solid;
   const std::size_t count = bonds.begin.size() - 1;
   if (count < fewest_particles)
     return fmt::format("has {} particle{}, fewer than {}", count, count == 1 ? "" : "s", fewest_particles);

@@ -8,8 +8,8 @@
 namespace pliant {
 
 /// Why a body has too few particles for its horizon, as the end of a sentence; nothing where it has enough:
-/// at least 8, of which at most a tenth have fewer than 4 neighbours.
-std::optional<std::string> sparseness(const Bonds& bonds);
+/// at least 8, of which at most a tenth have fewer than 4 neighbours, 3 where they are `flat`.
+std::optional<std::string> sparseness(const Bonds& bonds, bool flat = false);
 
 struct Overlap {
   std::uint32_t body; ///< the second of the deepest pair

@@ -59,23 +59,23 @@ std::vector<std::array<double, 2>> gauss_legendre(unsigned order) {
 }
 
 /// G of every bond of a particle where a field's radial direction is across the axis.
-void strengthen(const Material& material, Neighbourhood& neighbourhood) {
+void strengthen(const Material& material, BondSet& bonds) {
   const Anisotropy& anisotropy = material.anisotropy;
   if (!anisotropy.given) return;
   const Vector3 place = anisotropy.around_through + anisotropy.around_axis.unitOrthogonal();
   const Matrix3 directions = directions_at(anisotropy, place);
   const double mean = mean_strength(anisotropy.strengths);
-  for (const Vector3& bond : neighbourhood.bond)
-    neighbourhood.strength.push_back(
+  for (const Vector3& bond : bonds.bond)
+    bonds.strength.push_back(
         strength_along(bond.normalized(), directions, anisotropy.strengths, mean));
 }
 
 } // namespace
 
-Neighbourhood lattice_neighbourhood(const SimulationSettings& settings, const Material& material) {
+BondSet lattice_neighbourhood(const SimulationSettings& settings, const Material& material) {
   const int reach = static_cast<int>(std::ceil(settings.horizon));
   std::vector<GridVector> vectors;
-  Neighbourhood result;
+  BondSet result;
   for (int z = -reach; z <= reach; ++z)
     for (int y = -reach; y <= reach; ++y)
       for (int x = -reach; x <= reach; ++x) {
@@ -84,15 +84,15 @@ Neighbourhood lattice_neighbourhood(const SimulationSettings& settings, const Ma
         vectors.push_back({x * reference_grid, y * reference_grid, z * reference_grid});
         result.bond.push_back(settings.spacing * step);
       }
-  result.weight = neighbourhood_weights(vectors, settings.weight_exponent, moment_order(law_of(material)),
+  result.weight = neighbourhood_weights(vectors, influence_of(settings, settings.horizon), moment_order(law_of(material)),
                                         settings.weights == "matched")
                       .weight;
   strengthen(material, result);
   return result;
 }
 
-Neighbourhood sphere_neighbourhood(const Material& material, unsigned order) {
-  Neighbourhood result;
+BondSet sphere_neighbourhood(const Material& material, unsigned order) {
+  BondSet result;
   const unsigned around = 2 * order;
   for (const auto& [cosine, weight] : gauss_legendre(order))
     for (unsigned k = 0; k < around; ++k) {
@@ -109,10 +109,10 @@ struct EnergyDensity::State {
   Matrix3 stress = Matrix3::Zero();
 };
 
-EnergyDensity::EnergyDensity(const Material& material, Neighbourhood neighbourhood)
+EnergyDensity::EnergyDensity(const Material& material, BondSet bonds)
     : material_(material), law_(law_of(material)), constants_(law_constants(material)),
-      stretch_(stretch_energy(material)), neighbourhood_(std::move(neighbourhood)) {
-  const Neighbourhood& n = neighbourhood_;
+      stretch_(stretch_energy(material)), bonds_(std::move(bonds)) {
+  const BondSet& n = bonds_;
   if (n.bond.empty() || n.bond.size() != n.weight.size() ||
       (!n.strength.empty() && n.strength.size() != n.bond.size()))
     throw Error(ExitCode::internal, "a neighbourhood without bonds, or with lists of different lengths");
@@ -127,7 +127,7 @@ Matrix3 EnergyDensity::stress(const Matrix3& f) const {
 }
 
 EnergyDensity::State EnergyDensity::evaluate(const Matrix3& f) const {
-  const Neighbourhood& n = neighbourhood_;
+  const BondSet& n = bonds_;
   State result;
   const auto each = [&](auto visit) { // weight, xi / x, Y / x, strength of every bond
     for (std::size_t b = 0; b < n.bond.size(); ++b) {

@@ -10,24 +10,24 @@
 namespace pliant {
 
 /// Bonds of one particle at rest.
-struct Neighbourhood {
+struct BondSet {
   std::vector<Vector3> bond;    ///< xi; any unit of length: only directions and ratios count
   std::vector<double> weight;   ///< omega, sum 1
   std::vector<double> strength; ///< G of each bond (anisotropy); empty where all are 1
 };
 
 /// A particle deep inside a body on its lattice, with the weights that the scene's settings and the law give.
-Neighbourhood lattice_neighbourhood(const SimulationSettings& settings, const Material& material);
+BondSet lattice_neighbourhood(const SimulationSettings& settings, const Material& material);
 /// The average over the sphere of directions that a lattice stands for: Gauss-Legendre in the cosine of the
 /// polar angle, equally spaced around; `order` points in the one, twice as many in the other. Polynomials of
 /// degree below 2 `order` are exact.
-Neighbourhood sphere_neighbourhood(const Material& material, unsigned order = 24);
+BondSet sphere_neighbourhood(const Material& material, unsigned order = 24);
 
 /// Energy and stress of one material in a neighbourhood whose bonds all follow Y = F xi.
 class EnergyDensity {
 public:
   /// Throws Error(usage) where the material's constants make no law.
-  EnergyDensity(const Material& material, Neighbourhood neighbourhood);
+  EnergyDensity(const Material& material, BondSet bonds);
 
   double value(const Matrix3& f) const;   ///< W, J/m3; 0 at rest
   Matrix3 stress(const Matrix3& f) const; ///< first Piola-Kirchhoff, P = dW/dF, Pa
@@ -40,7 +40,7 @@ private:
   Law law_;
   LawConstants constants_;
   StretchEnergy stretch_;
-  Neighbourhood neighbourhood_;
+  BondSet bonds_;
 };
 
 /// Laws of continuum mechanics that a curve can be compared with.

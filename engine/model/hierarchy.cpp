@@ -54,6 +54,8 @@ class Builder {
 public:
   Builder(const Scene& scene, const Model& model) : model_(model), n_(model.count()) {
     for (const Material& material : scene.materials) constants_.push_back(constants_of(material));
+    for (const std::uint32_t typed : model.sheet_material)
+      constants_.push_back(constants_of(scene.materials[typed]));
     place_.resize(n_);
     for (const BodyModel& body : model.bodies) {
       Vector3 low = Vector3::Constant(1e300);

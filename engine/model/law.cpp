@@ -10,17 +10,63 @@
 
 namespace pliant {
 
-LawConstants law_constants(Law law, double young, double poisson, double split) {
+namespace {
+
+/// Of a disc; see law_constants in model.h.
+LawConstants flat_constants(Law law, double young, double poisson, double split, bool stress) {
+  LawConstants constants;
+  if (law == Law::neo_hookean)
+    throw Error(ExitCode::usage, "law neo-hookean needs neighbours in all three directions: in sheets and plane "
+                                 "scenes choose form = \"bonds\", or another law");
+  if (law == Law::projective) {
+    const double ratio = stress ? 1. / 3 : 0.25;
+    if (std::abs(poisson - ratio) > 1e-9)
+      throw Error(
+          ExitCode::usage,
+          fmt::format("the projective law has Poisson's ratio {} in {}, whatever its constants, not {}; "
+                      "set that or choose another law",
+                      stress ? "1/3" : "1/4", stress ? "sheets and plane stress" : "plane strain", poisson));
+    constants.modulus = stress ? 3 * young : 3.2 * young;
+    constants.coupling = split;
+    return constants;
+  }
+  const double most = stress ? 0.95 : 0.499;
+  if (!(poisson >= 0 && poisson <= most))
+    throw Error(ExitCode::usage,
+                fmt::format("Poisson's ratio must lie in 0 to {} in {} (nothing resists shear as much as "
+                            "compression would at {}), not at {}",
+                            most, stress ? "sheets and plane stress" : "plane strain", stress ? 1 : 0.5,
+                            poisson));
+  const double shear = young / (2 * (1 + poisson));
+  const double lame = stress ? young * poisson / (1 - poisson * poisson)
+                             : young * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  if (law == Law::corotated) {
+    constants.modulus = 4 * shear;
+    constants.coupling = lame / shear;
+  } else {
+    const double a = 2 * (lame + shear), b = 4 * shear;
+    constants.modulus = 2 * b;
+    constants.coupling = (a - b) / b;
+  }
+  constants.bound = 1 + std::max(constants.coupling, 0.0);
+  return constants;
+}
+
+} // namespace
+
+LawConstants law_constants(Law law, double young, double poisson, double split, Neighbourhood neighbourhood) {
   if (!(young > 0) || !std::isfinite(young))
     throw Error(ExitCode::usage,
                 fmt::format("Young's modulus must be a positive number of pascals, not {}", young));
+  if (!(split >= 0 && split <= 1))
+    throw Error(ExitCode::usage,
+                fmt::format("the split of the projective law lies in 0 to 1, not at {}", split));
+  if (neighbourhood != Neighbourhood::solid)
+    return flat_constants(law, young, poisson, split, neighbourhood == Neighbourhood::plane_stress);
   LawConstants constants;
   if (law == Law::projective) {
     // Homogeneous deformation: W = (mu_1 + lambda_1 / 2) <(s - 1)^2>, whatever the split, and the ratio is
     // 1/4.
-    if (!(split >= 0 && split <= 1))
-      throw Error(ExitCode::usage,
-                  fmt::format("the split of the projective law lies in 0 to 1, not at {}", split));
     if (std::abs(poisson - 0.25) > 1e-12)
       throw Error(ExitCode::usage,
                   fmt::format("the projective law has Poisson's ratio 0.25 whatever its constants, "
@@ -59,9 +105,12 @@ LawConstants law_constants(Law law, double young, double poisson, double split) 
   return constants;
 }
 
-LawConstants law_constants(const Material& material) {
-  LawConstants constants = law_constants(law_of(material), material.young, material.poisson, material.split);
+LawConstants law_constants(const Material& material, Neighbourhood neighbourhood) {
+  LawConstants constants =
+      law_constants(law_of(material), material.young, material.poisson, material.split, neighbourhood);
   if (material.calibration == "xu2018") {
+    if (neighbourhood != Neighbourhood::solid)
+      throw Error(ExitCode::usage, "calibration \"xu2018\" is of solids; sheets and plane scenes have \"exact\"");
     constants.coupling += 0.6; // Eq. 26 has lambda_2 = (9/2) lambda_L, without -(9/2) mu_L
     constants.bound = 1 + std::max(constants.coupling, 0.0);
   }

@@ -36,7 +36,7 @@ struct Bonds {
   std::size_t count() const { return neighbour.size(); }
 };
 
-/// The constants that a law needs of a material, in Pa (3D).
+/// The constants that a law needs of a material, in Pa; here of solids.
 ///   corotated:  mu = 3 mu_L,  kappa = (9/2) lambda_L; bond stiffness 2 mu / x^2
 ///   ordinary:   b = (15/2) mu_L, a = (9/2) K;         bond stiffness 2 b / x^2
 ///   projective: 2 mu_1 + lambda_1 = 6 E;              bond stiffness (2 mu_1 + lambda_1) / x^2
@@ -52,9 +52,13 @@ struct LawConstants {
                        ///< twice that (neo-hookean)
   double isochoric = 1; ///< the bound without the volume term
 };
-LawConstants law_constants(Law law, double young, double poisson, double split);
+/// In two dimensions mu_P = 2 mu_L, kappa = 2 lambda', b = 4 mu_L, a = 2 (lambda' + mu_L), basis mu_2 = b and
+/// lambda_2 = a - b, where lambda' is lambda_L in plane strain and E nu / (1 - nu^2) in plane stress, whose
+/// ratio may reach 0.95; the projective law has ratio 1/4 and 1/3. Throws Error(usage) for what is out of range.
+LawConstants law_constants(Law law, double young, double poisson, double split,
+                           Neighbourhood neighbourhood = Neighbourhood::solid);
 /// The same by a material's own law and calibration. Throws Error(usage).
-LawConstants law_constants(const Material& material);
+LawConstants law_constants(const Material& material, Neighbourhood neighbourhood = Neighbourhood::solid);
 Law law_from_name(const std::string& name);
 /// The law that a material's `law` and `form` name.
 Law law_of(const Material& material);
@@ -77,6 +81,7 @@ struct BodyModel {
       surface_reference; ///< the same vertices in the body's axes, relative to the reference origin
   Vector3 color = {0.8, 0.45, 0.3};
   bool self_contact = true;
+  double thickness = 0; ///< m; of a sheet, or across the plane of a plane scene; 0: a solid
 };
 
 /// A particle held or moved: prescribed while the motion lasts. At most one a particle: later conditions win.
@@ -108,15 +113,26 @@ struct Model {
   Bonds bonds;
   std::vector<LawRange> laws;
   std::vector<BodyModel> bodies;
-  std::vector<LawConstants> constants; ///< of each material (index into Scene::materials)
-  std::vector<StretchEnergy> stretch;  ///< the same, of law basis; empty sums for the others
+  /// Of each `material`: those of the scene first, then those of sheets, which are calibrated apart.
+  std::vector<LawConstants> constants;
+  std::vector<StretchEnergy> stretch;        ///< the same, of law basis; empty sums for the others
+  std::vector<std::uint32_t> sheet_material; ///< the material of the scene that each of a sheet was typed as
+  unsigned dimension = 3;                    ///< 2: everything stays in the plane z = 0
   std::vector<Motion> motions;
   std::vector<Held> held;
   std::vector<Load> loads;
   WeightReport weight_report;
   std::vector<std::string> warnings; ///< crossing triangles, sparse bodies that were allowed, ...
   std::size_t count() const { return position.size(); }
+  bool has_sheets() const { return !sheet_material.empty(); }
 };
+
+/// The material of the scene that a particle's was typed as.
+inline const Material& typed_material(const Scene& scene, const Model& model, std::size_t particle) {
+  const std::uint32_t m = model.material[particle];
+  const auto typed = static_cast<std::uint32_t>(scene.materials.size());
+  return scene.materials[m < typed ? m : model.sheet_material[m - typed]];
+}
 
 /// Builds the particles of a scene. Throws Error(usage): a mesh that will not do, a body with too few
 /// particles for its horizon, bodies that overlap (unless allowed), a region that selects no particle,
@@ -134,13 +150,29 @@ Model assemble_points(const std::vector<Vector3>& points, double spacing, double
 /// Bonds between points closer than `horizon` (strictly), rows sorted. Cell grid; O(n).
 Bonds find_bonds(const std::vector<Vector3>& points, double horizon);
 
+/// Weights before their moments are matched, as a function of a bond's length r in spacings.
+struct Influence {
+  enum class Kind : std::uint8_t { power, constant, decreasing, increasing };
+  Kind kind = Kind::power;
+  double exponent = -0.7; ///< power: r^exponent
+  double horizon = 1.87;  ///< spacings; decreasing: (1 + r / horizon)^-1, increasing: r / horizon
+
+  Influence(double power)
+      : exponent(power) {} // NOLINT(google-explicit-constructor): a power is the usual one
+  Influence(Kind of, double reach) : kind(of), horizon(reach) {}
+  double operator()(double r) const;
+};
+/// Of a scene, for bonds of this horizon (spacings).
+Influence influence_of(const SimulationSettings& simulation, double horizon);
+
 /// Fills bonds.weight.
 ///   "normalised": base weights r^p over their sum.
 ///   "matched":    non-negative least squares of moments, second (m2: corotated) or fourth (m4: ordinary,
 ///   projective);
 ///                 solved once for each distinct neighbourhood of integer bond vectors.
+///   `dimension` 2: moments of a disc, in the tangent plane of each neighbourhood.
 WeightReport compute_weights(Bonds& bonds, const std::vector<Vector3>& reference, double spacing, Law law,
-                             const std::string& weights, double exponent);
+                             const std::string& weights, const Influence& influence, int dimension = 3);
 
 /// The bonds as devices store them.
 struct SlicedBonds {

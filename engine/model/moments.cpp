@@ -2,10 +2,13 @@
 //
 // With D = diag(w0), B = [A; 1] and the free (positive) set F, the stationary point is
 //   w = w0 + D B^T z,   (B_F D_F B_F^T + diag(d, .., d, 0)) z = [b; 1] - B_F w0_F,   d = (e / a)^2,
-// a system of 7 or 16 unknowns however many neighbours there are. Which weights are positive is found by a
-// primal active-set method from w0. Where the moments can be met exactly on that set, d = 0 meets them to
-// rounding: the trace of A's rows is the sum of the weights, so the row of ones is then implied.
+// a system of 7 or 16 unknowns (4 or 6 in two dimensions) however many neighbours there are. Which weights
+// are positive is found by a primal active-set method from w0. Where the moments can be met exactly on that
+// set, d = 0 meets them to rounding: the trace of A's rows is the sum of the weights, so the row of ones is
+// then implied.
 #include "engine/model/moments.h"
+
+#include "engine/core/error.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -46,6 +49,16 @@ void evaluate(const Vector3& n, Moments<15>& a) {
       root12 * xx * y * z, root12 * yy * z * x, root12 * zz * x * y;
 }
 
+/// In two dimensions, of directions with n_z = 0.
+void evaluate(const Vector3& n, Moments<3>& a) {
+  a << n.x() * n.x(), n.y() * n.y(), std::sqrt(2.0) * n.x() * n.y();
+}
+
+void evaluate(const Vector3& n, Moments<5>& a) {
+  const double x = n.x(), y = n.y(), xx = x * x, yy = y * y;
+  a << xx * xx, yy * yy, std::sqrt(6.0) * xx * yy, 2 * xx * x * y, 2 * yy * y * x;
+}
+
 /// Averages over the sphere: <n_x^2> = 1/3; <n_x^4> = 1/5, <n_x^2 n_y^2> = 1/15.
 void target(Moments<6>& b) {
   b << 1. / 3, 1. / 3, 1. / 3, 0, 0, 0;
@@ -57,19 +70,55 @@ void target(Moments<15>& b) {
   b.segment<3>(3).setConstant(std::sqrt(6.0) / 15);
 }
 
+/// Averages over the circle: <n_x^2> = 1/2; <n_x^4> = 3/8, <n_x^2 n_y^2> = 1/8.
+void target(Moments<3>& b) {
+  b << 1. / 2, 1. / 2, 0;
+}
+
+void target(Moments<5>& b) {
+  b << 3. / 8, 3. / 8, std::sqrt(6.0) / 8, 0, 0;
+}
+
+/// Directions of bonds in three dimensions.
+std::vector<Vector3> directions(std::span<const GridVector> vectors) {
+  std::vector<Vector3> found;
+  found.reserve(vectors.size());
+  for (const GridVector& v : vectors)
+    found.push_back(Vector3(v[0], v[1], v[2]) / std::sqrt(static_cast<double>(squared_length(v))));
+  return found;
+}
+
+/// The same laid into the plane nearest to the bonds, as angles about its normal: z is zero.
+std::vector<Vector3> flat_directions(std::span<const GridVector> vectors) {
+  Matrix3 spread = Matrix3::Zero();
+  for (const GridVector& v : vectors) {
+    const Vector3 x(v[0], v[1], v[2]);
+    spread += x * x.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix3> eigen(spread);
+  std::vector<Vector3> found = directions(vectors);
+  for (Vector3& n : found) {
+    const Vector3 flat(eigen.eigenvectors().col(2).dot(n), eigen.eigenvectors().col(1).dot(n), 0);
+    const double length = flat.norm(); // zero: upright in the plane's middle, which no sheet has
+    n = length > 0 ? Vector3(flat / length) : Vector3(1, 0, 0);
+  }
+  return found;
+}
+
 template <int rows> class Matching {
 public:
-  Matching(std::span<const GridVector> vectors, double exponent)
+  Matching(std::span<const GridVector> vectors, const Influence& influence)
       : count_(vectors.size()), moments_(rows, count_) {
     target(target_);
     base_.resize(static_cast<Eigen::Index>(count_));
+    const std::vector<Vector3> along = rows <= 5 ? flat_directions(vectors) : directions(vectors);
     Moments<rows> column;
     for (std::size_t k = 0; k < count_; ++k) {
       const auto at = static_cast<Eigen::Index>(k);
       const double length = std::sqrt(static_cast<double>(squared_length(vectors[k])));
-      evaluate(Vector3(vectors[k][0], vectors[k][1], vectors[k][2]) / length, column);
+      evaluate(along[k], column);
       moments_.col(at) = column;
-      base_[at] = std::pow(length / reference_grid, exponent);
+      base_[at] = influence(length / reference_grid);
     }
     base_ /= base_.sum();
     weight_ = base_;
@@ -78,7 +127,7 @@ public:
 
   void match() {
     if (meet_exactly(false)) return;
-    descend(rows == 6 ? second_slack : fourth_slack);
+    descend(rows == 6 || rows == 3 ? second_slack : fourth_slack);
     meet_exactly(true);
   }
 
@@ -190,18 +239,44 @@ private:
 };
 
 template <int rows>
-NeighbourhoodWeights solve(std::span<const GridVector> vectors, double exponent, bool matched) {
-  Matching<rows> matching(vectors, exponent);
+NeighbourhoodWeights solve(std::span<const GridVector> vectors, const Influence& influence, bool matched) {
+  Matching<rows> matching(vectors, influence);
   if (matched) matching.match();
   return matching.result();
 }
 
 } // namespace
 
-NeighbourhoodWeights neighbourhood_weights(std::span<const GridVector> vectors, double exponent, int order,
-                                           bool matched) {
+NeighbourhoodWeights neighbourhood_weights(std::span<const GridVector> vectors, const Influence& influence,
+                                           int order, bool matched, int dimension) {
   if (vectors.empty()) return {};
-  return order == 2 ? solve<6>(vectors, exponent, matched) : solve<15>(vectors, exponent, matched);
+  if (dimension == 2)
+    return order == 2 ? solve<3>(vectors, influence, matched) : solve<5>(vectors, influence, matched);
+  return order == 2 ? solve<6>(vectors, influence, matched) : solve<15>(vectors, influence, matched);
+}
+
+double Influence::operator()(double r) const {
+  switch (kind) {
+  case Kind::power:
+    return std::pow(r, exponent);
+  case Kind::constant:
+    return 1;
+  case Kind::decreasing:
+    return 1 / (1 + r / horizon);
+  case Kind::increasing:
+    return r / horizon;
+  }
+  return 1;
+}
+
+Influence influence_of(const SimulationSettings& simulation, double horizon) {
+  if (simulation.influence == "power") return simulation.weight_exponent;
+  if (simulation.influence == "constant") return {Influence::Kind::constant, horizon};
+  if (simulation.influence == "decreasing") return {Influence::Kind::decreasing, horizon};
+  if (simulation.influence == "increasing") return {Influence::Kind::increasing, horizon};
+  throw Error(ExitCode::usage,
+              "the influence is \"power\", \"constant\", \"decreasing\" or \"increasing\", not \"" +
+                  simulation.influence + "\"");
 }
 
 } // namespace pliant

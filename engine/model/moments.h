@@ -16,11 +16,12 @@ struct NeighbourhoodWeights {
   double residual = 0;        ///< of the moments, Frobenius norm relative to the target's
 };
 
-/// Normalised weights of the bond vectors, from the base influence r^exponent.
+/// Normalised weights of the bond vectors, from the base influence.
 /// `order` 2: second moments, sum w N N = I / 3. `order` 4: fourth, sum w N N N N = (dd + dd + dd) / 15.
-/// Where `matched`, the weights nearest to the base that meet the moments, or miss them least; see
-/// moments.cpp.
-NeighbourhoodWeights neighbourhood_weights(std::span<const GridVector> vectors, double exponent, int order,
-                                           bool matched);
+/// `dimension` 2: I / 2 and (dd + dd + dd) / 8, of the bonds laid flat (keeping their lengths) into the plane
+/// nearest to them. Where `matched`, the weights nearest to the base that meet the moments, or miss them
+/// least; see moments.cpp.
+NeighbourhoodWeights neighbourhood_weights(std::span<const GridVector> vectors, const Influence& influence,
+                                           int order, bool matched, int dimension = 3);
 
 } // namespace pliant

@@ -39,10 +39,10 @@ std::string convex_range(const BasisSum& sum) {
 }
 
 /// lambda_2 / mu_2 of the ratio given.
-double coupling_of(const Material& material, double poisson) {
+double coupling_of(const Material& material, Neighbourhood neighbourhood, double poisson) {
   Material other = material;
   other.poisson = poisson;
-  return law_constants(other).coupling;
+  return law_constants(other, neighbourhood).coupling;
 }
 
 /// W is at least F(theta) = (lambda_2 / mu_2) g(theta) + h(theta) / <1/G>, by Jensen's inequality: where F is
@@ -53,21 +53,31 @@ bool least_at_rest(const BasisSum& g, const BasisSum& h, double coupling, double
   return good;
 }
 
-void check_least_at_rest(const Material& material, const BasisSum& g, const BasisSum& h) {
-  const double softness = material.anisotropy.given ? mean_softness(material.anisotropy.strengths) : 1;
-  if (least_at_rest(g, h, coupling_of(material, material.poisson), softness)) return;
-  double low = material.poisson, high = 0.25; // where lambda_2 = 0, and convex
-  if (coupling_of(material, high) < 0) high = 0.499;
+/// <1/G> of a material's bonds; of a sheet that lies as it may, the most.
+double softness_of(const Material& material, Neighbourhood neighbourhood) {
+  const Vector3& strengths = material.anisotropy.strengths;
+  if (!material.anisotropy.given) return 1;
+  return neighbourhood == Neighbourhood::solid ? mean_softness(strengths)
+                                               : mean_softness(strengths.minCoeff(), strengths.maxCoeff());
+}
+
+void check_least_at_rest(const Material& material, Neighbourhood neighbourhood, const BasisSum& g,
+                         const BasisSum& h) {
+  const double softness = softness_of(material, neighbourhood);
+  if (least_at_rest(g, h, coupling_of(material, neighbourhood, material.poisson), softness)) return;
+  const double even = neighbourhood == Neighbourhood::plane_stress ? 1. / 3 : 0.25; // where lambda_2 = 0
+  double low = material.poisson, high = even;
+  if (coupling_of(material, neighbourhood, high) < -1e-12) high = 0.499;
   while (high - low > 1e-4) {
     const double middle = (low + high) / 2;
-    (least_at_rest(g, h, coupling_of(material, middle), softness) ? high : low) = middle;
+    (least_at_rest(g, h, coupling_of(material, neighbourhood, middle), softness) ? high : low) = middle;
   }
   throw Error(
       ExitCode::usage,
-      fmt::format("with a Poisson's ratio of {} the energy is not convex: lambda_2 is negative below 0.25, "
+      fmt::format("with a Poisson's ratio of {} the energy is not convex: lambda_2 is negative below {:.4g}, "
                   "and outweighs mu_2 at some stretch; with this g{} and h it is convex for ratios of "
-                  "{:.3f} to 0.499{}",
-                  material.poisson, material.anisotropy.given ? ", these strengths" : "",
+                  "{:.3f} upwards{}",
+                  material.poisson, even, material.anisotropy.given ? ", these strengths" : "",
                   std::ceil(high * 1000) / 1000,
                   material.anisotropy.given ? "" : ", and with g equal to h for all"));
 }
@@ -101,26 +111,27 @@ BasisSum basis_sum(const std::map<std::string, double>& shares) {
   return sum.normalised();
 }
 
-StretchEnergy stretch_energy(const Material& material) {
+StretchEnergy stretch_energy(const Material& material, Neighbourhood neighbourhood) {
   StretchEnergy energy;
   if (law_of(material) != Law::basis) return energy;
-  const double coupling = law_constants(material).coupling;
+  const double coupling = law_constants(material, neighbourhood).coupling;
   if (material.law == "stvk") {
     energy.bond = saint_venant_kirchhoff_basis();
     energy.volume = energy.bond.scaled(coupling);
     energy.squared = material.form != "bonds";
   } else if (material.law == "neo-hookean") {
-    const double lame_ratio = 2 * material.poisson / (1 - 2 * material.poisson); // lambda_L / mu_L
+    // (lambda_2 + part mu_2) / mu_2 = part lambda / mu_L, see law_constants().
+    const double part = neighbourhood == Neighbourhood::solid ? 0.6 : 0.5;
     energy.bond.terms = {{BasisTerm::Kind::A, 1, 1.0}};
-    energy.volume.terms = {{BasisTerm::Kind::log2, 1, 0.6 * lame_ratio}, {BasisTerm::Kind::A, 1, -0.6}};
+    energy.volume.terms = {{BasisTerm::Kind::log2, 1, coupling + part}, {BasisTerm::Kind::A, 1, -part}};
   } else {
     const BasisSum g = basis_sum(material.volume_basis);
     energy.bond = basis_sum(material.bond_basis);
     energy.volume = g.scaled(coupling);
-    check_least_at_rest(material, g, energy.bond);
+    check_least_at_rest(material, neighbourhood, g, energy.bond);
     return energy;
   }
-  if (material.anisotropy.given && !(coupling + 1 / mean_softness(material.anisotropy.strengths) > 0))
+  if (material.anisotropy.given && !(coupling + 1 / softness_of(material, neighbourhood) > 0))
     throw Error(
         ExitCode::usage,
         fmt::format("with a Poisson's ratio of {} and these strengths the energy is not convex at rest; "

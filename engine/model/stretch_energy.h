@@ -9,11 +9,16 @@
 
 #include "engine/model/basis.h"
 
+#include <cstdint>
 #include <map>
 
 namespace pliant {
 
 struct Material;
+
+/// What the neighbours of a particle fill: a ball, or a disc of matter that can (stress) or cannot (strain)
+/// thicken freely across it. Sheets are in plane stress.
+enum class Neighbourhood : std::uint8_t { solid, plane_strain, plane_stress };
 
 /// Of one material.
 struct StretchEnergy {
@@ -26,12 +31,12 @@ struct StretchEnergy {
 /// are negative (saying where the sum would be convex) or sum to nothing, more powers than kernels hold.
 BasisSum basis_sum(const std::map<std::string, double>& shares);
 
-/// Of a material whose law is "basis", "stvk", or "neo-hookean" with form "bonds"; empty sums for the others.
+/// Of a material, in solids or in what is flat, whose law is "basis", "stvk", or "neo-hookean" with form "bonds"; empty sums for the others.
 /// Throws Error(usage): what basis_sum() throws, and energies that are not convex because lambda_2 is
 /// negative.
 ///   neo-hookean, bonds: h = A_1, (lambda_2 / mu_2) g = 3/5 ((lambda_L / mu_L) log2 - A_1), which is exact
-///   for dilation and small strain.
-StretchEnergy stretch_energy(const Material& material);
+///   for dilation and small strain; in two dimensions 1/2 (...), with lambda' of law_constants().
+StretchEnergy stretch_energy(const Material& material, Neighbourhood neighbourhood = Neighbourhood::solid);
 
 /// Powers n that a sum may hold: the kernels' table has so many rows for it.
 inline constexpr int largest_powers = 4;

@@ -118,7 +118,7 @@ int moment_order(Law law) {
 }
 
 WeightReport compute_weights(Bonds& bonds, const std::vector<Vector3>& reference, double spacing, Law law,
-                             const std::string& weights, double exponent) {
+                             const std::string& weights, const Influence& influence, int dimension) {
   if (weights != "matched" && weights != "normalised")
     throw Error(ExitCode::usage,
                 fmt::format("weights are \"matched\" or \"normalised\", not \"{}\"", weights));
@@ -132,7 +132,7 @@ WeightReport compute_weights(Bonds& bonds, const std::vector<Vector3>& reference
 #pragma omp for schedule(dynamic, 16)
     for (std::size_t s = 0; s < solved.size(); ++s) {
       row_vectors(bonds, grid, signatures.model[s], row);
-      solved[s] = neighbourhood_weights(row, exponent, order, weights == "matched");
+      solved[s] = neighbourhood_weights(row, influence, order, weights == "matched", dimension);
     }
   }
   bonds.weight.resize(bonds.count());

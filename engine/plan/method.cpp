@@ -90,7 +90,17 @@ Method choose_method(const Scene& scene, const Model& model) {
     method.preconditioner = "direct";
   } else if (method.line_search) {
     method.preconditioner = scene.solver.preconditioner;
-    if (method.preconditioner == "auto") method.preconditioner = eta > 50 ? "multilevel" : "diagonal";
+    const bool flat = model.dimension == 2 || model.has_sheets();
+    if (method.preconditioner == "multilevel" && model.dimension == 2)
+      throw Error(ExitCode::usage,
+                  "solver.preconditioner \"multilevel\": its coarse elements are solid and would push "
+                  "particles out of the plane of a scene of dimension 2; choose diagonal or direct");
+    if (method.preconditioner == "auto") {
+      method.preconditioner = eta > 50 && !flat ? "multilevel" : "diagonal";
+      if (eta > 50 && flat)
+        method.reason += std::string(method.reason.empty() ? "" : "; diagonal, since ") +
+                         "coarse elements do not bend as sheets do";
+    }
   }
   return method;
 }

@@ -136,6 +136,12 @@ public:
     for (const KernelSpec& spec : wanted.kernels) kernel({spec.info, component_, spec.options});
   }
 
+  /// Flat neighbourhoods choose variants of kernels; they need nothing else.
+  void flatness() {
+    begin("sheets", plan_.sheets);
+    begin("plane", plan_.plane);
+  }
+
   void contacts() {
     const ContactPlan needs = plan_contacts(scene_, model_, contact_use(plan_.method));
     plan_.boundaries = needs.boundaries;
@@ -289,6 +295,8 @@ Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds,
   plan.ordinary = any_law(model, Law::ordinary);
   plan.projective = any_law(model, Law::projective);
   plan.basis = any_law(model, Law::basis);
+  plan.sheets = model.has_sheets();
+  plan.plane = model.dimension == 2;
   plan.bdf2 = scene.solver.integrator == "bdf2";
   plan.held = !model.held.empty();
   plan.loaded = !model.loads.empty();
@@ -304,6 +312,7 @@ Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds,
   planner.contacts();
   planner.solver();
   planner.elasticity();
+  planner.flatness();
   planner.sums(make_chunks(model));
   planner.frames(request);
   return plan;

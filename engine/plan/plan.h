@@ -30,6 +30,7 @@ struct Plan {
   bool bdf2 = false, held = false, loaded = false, momentum = false, statistics = false, energy = false,
        divergence = false;
   bool boundaries = false, pairs = false;
+  bool sheets = false, plane = false; ///< flat neighbourhoods; all of them in one plane
   Method method;
   std::shared_ptr<const Hierarchy> hierarchy; ///< null without the multilevel preconditioner
   bool frames = false, surfaces = false, strain = false;

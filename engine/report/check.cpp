@@ -37,9 +37,11 @@ CheckReport::Body describe(const Scene& scene, const Model& model, const BodyMod
     row.low = row.low.cwiseMin(model.position[i]);
     row.high = row.high.cwiseMax(model.position[i]);
   }
-  if (body.count > 0) row.material = scene.materials[model.material[body.first]].name;
-  row.lattice_volume = static_cast<double>(body.count) * std::pow(model.spacing, 3);
-  row.mesh_volume = body.surface ? enclosed_volume(*body.surface) : row.particle_volume;
+  if (body.count > 0) row.material = typed_material(scene, model, body.first).name;
+  row.lattice_volume = static_cast<double>(body.count) * std::pow(model.spacing, 2) *
+                       (body.thickness > 0 ? body.thickness : model.spacing);
+  row.mesh_volume =
+      body.surface && !(body.thickness > 0) ? enclosed_volume(*body.surface) : row.particle_volume;
   return row;
 }
 

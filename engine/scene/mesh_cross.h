@@ -13,6 +13,8 @@ int orientation(const Vector3& a, const Vector3& b, const Vector3& c, const Vect
 /// area cross nothing.
 bool triangles_cross(const Corners& p, const Corners& q);
 
+/// examine() without the pairs of triangles that cross, which take the time.
+MeshReport measure(const Mesh& mesh);
 /// Pairs of triangles that cross and share no vertex (by number or by place).
 std::size_t count_crossing_pairs(const Mesh& mesh);
 

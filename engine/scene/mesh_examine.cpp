@@ -35,7 +35,7 @@ void count_edges(const Mesh& mesh, MeshReport& report) {
 
 } // namespace
 
-MeshReport examine(const Mesh& mesh) {
+MeshReport measure(const Mesh& mesh) {
   MeshReport report;
   if (mesh.vertices.empty() || mesh.triangles.empty()) return report;
   report.low = report.high = mesh.vertices[mesh.triangles[0][0]];
@@ -55,6 +55,11 @@ MeshReport examine(const Mesh& mesh) {
     report.volume += a.dot(b.cross(c)) / 6;
   }
   count_edges(mesh, report);
+  return report;
+}
+
+MeshReport examine(const Mesh& mesh) {
+  MeshReport report = measure(mesh);
   report.crossing_pairs = count_crossing_pairs(mesh);
   return report;
 }

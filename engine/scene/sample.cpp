@@ -102,7 +102,7 @@ void check_closed(const PlacedShape& placed, std::vector<std::string>& warnings)
         fmt::format(
             "{} is open: {} of its edges belong to one triangle only, {} to more than two or to two that "
             "face opposite ways. A body needs a closed surface: fill the holes and make the normals "
-            "consistent in a mesh editor",
+            "consistent in a mesh editor, or give the body a thickness to make a sheet of it",
             name, report.open_edges, report.odd_edges));
   if (!(report.volume > 0))
     throw Error(ExitCode::usage,
@@ -135,6 +135,8 @@ Sampling sample(const Shape& shape, double spacing, const std::filesystem::path&
     throw Error(ExitCode::usage, fmt::format("a spacing of {} m: it must be positive and finite", spacing));
   if (shape.kind == Shape::Kind::plane)
     throw Error(ExitCode::usage, "a plane has no inside to fill with particles; use a flat box");
+  if (shape.kind == Shape::Kind::sheet)
+    throw Error(ExitCode::usage, "a sheet has no inside to fill with particles; give the body a thickness");
   const PlacedShape placed = place(shape, scene_directory);
   Sampling sampling;
   std::optional<MeshQuery> query;

@@ -24,6 +24,16 @@ struct Sampling {
 /// for shapes too small to hold a particle, Error(too_large) for more than 32 bits can number.
 Sampling sample(const Shape& shape, double spacing, const std::filesystem::path& scene_directory);
 
+/// One layer of particles over a sheet or a mesh, open or closed, `thickness` (m) thick; the volume is area
+/// times thickness. Flat ones get a square lattice that is centred on them, curved ones points spread evenly
+/// over them, about one to a square of the spacing, the same on every machine. Throws Error(usage) as
+/// sample().
+Sampling sample_sheet(const Shape& shape, double thickness, double spacing,
+                      const std::filesystem::path& scene_directory);
+/// The section of a box, sphere, cylinder or sheet with its own plane z = 0, `thickness` (m) deep.
+Sampling sample_section(const Shape& shape, double thickness, double spacing,
+                        const std::filesystem::path& scene_directory);
+
 /// Whether a point lies in the shape; for regions and boundaries. Plane: on the side opposite to the normal.
 /// Meshes may be open: the winding number closes their holes. Throws Error(usage) as place() of shape.h.
 class ShapeQuery {

@@ -18,16 +18,18 @@ using Matrix3 = Eigen::Matrix3d;
 
 /// A solid to fill with particles, a region to select some, or an obstacle. `at` is the centre.
 struct Shape {
-  enum class Kind { box, sphere, cylinder, torus, mesh, plane };
+  enum class Kind { box, sphere, cylinder, torus, mesh, plane, sheet };
   Kind kind = Kind::box;
-  Vector3 at = Vector3::Zero();    ///< m; centre (of a mesh: of its bounding box)
-  Vector3 size = Vector3::Ones();  ///< m; box: edge lengths
-  double radius = 0;               ///< m; sphere, cylinder; torus: of the ring
-  double tube = 0;                 ///< m; torus: of the tube
-  double height = 0;               ///< m; cylinder
-  Vector3 normal = {0, 1, 0};      ///< plane: unit normal, pointing to the free side
-  double offset = 0;               ///< m; plane: points x with normal . x = offset
-  std::string mesh;                ///< file name as typed
+  Vector3 at = Vector3::Zero();   ///< m; centre (of a mesh: of its bounding box)
+  Vector3 size = Vector3::Ones(); ///< m; box: edge lengths
+  double radius = 0;              ///< m; sphere, cylinder; torus: of the ring
+  double tube = 0;                ///< m; torus: of the tube
+  double height = 0;              ///< m; cylinder
+  Vector3 normal = {0, 1, 0};     ///< plane: unit normal, pointing to the free side
+  double offset = 0;              ///< m; plane: points x with normal . x = offset
+  std::string mesh;               ///< file name as typed
+  /// m; sheet: width along x, height along y
+  std::optional<std::array<double, 2>> sheet;
   std::optional<double> fit;       ///< m; mesh: longest side of its box after scaling
   std::optional<Vector3> place;    ///< mesh: `at` was given (else the mesh stays where its file puts it)
   Vector3 rotate_axis = {0, 1, 0}; ///< unit
@@ -119,6 +121,9 @@ struct Body {
   std::string start = ""; ///< "", "flat" (onto the plane x = c), "line", "point", "random", "mirror"
   std::optional<Vector3> color;
   bool self_contact = true;
+  /// m; of a sheet or, where `dimension` is 2, of the body across the plane (1 by default).
+  std::optional<double> thickness;
+  std::optional<double> horizon; ///< spacings; by default the scene's
   std::string typed_at; ///< ":line:column" of its shape in the scene's file; empty where it is not from one
 };
 
@@ -142,6 +147,9 @@ struct SimulationSettings {
   Vector3 gravity = {0, -9.81, 0}; ///< m/s2
   std::string weights = "matched"; ///< "matched" (m2 or m4 as the law needs) or "normalised"
   double weight_exponent = -0.7;   ///< base influence r^p
+  std::string influence = "power"; ///< of base weights; see Influence of model.h
+  unsigned dimension = 3;          ///< 2: everything lies and moves in the plane z = 0
+  std::string plane = "strain";    ///< dimension 2: what is zero across the plane, "strain" or "stress"
 };
 
 struct SolverSettings {

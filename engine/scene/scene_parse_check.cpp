@@ -13,46 +13,19 @@ namespace {
 
 using Kind = TomlValue::Kind;
 
-/// Distances at which a cubic lattice has neighbours are sqrt(a2 + b2 + c2); between two of these a horizon
-/// is safe.
-constexpr std::array<double, 5> good_horizons = {1.87, 2.1, 2.35, 2.6, 3.1};
-constexpr double shell_margin = 0.01 + 1e-9; // so that 1.98 and 2.02 themselves are refused
 constexpr double most_steps = 1e9;
 constexpr double most_frames = 1e6;
 constexpr std::size_t longest_name = 64; // bytes; names become names of files and of groups in them
 
-bool sum_of_three_squares(int n) {
-  while (n % 4 == 0) n /= 4; // Legendre: all but 4^a (8 b + 7)
-  return n % 8 != 7;
-}
-
-void check_simulation(const TomlValue& value, const SimulationSettings& simulation, Findings& findings) {
-  const TomlValue* typed = value.find("horizon");
-  for (int n = 1; typed && n <= 18; ++n) {
-    const double shell = std::sqrt(n);
-    if (!sum_of_three_squares(n) || std::abs(simulation.horizon / shell - 1) > shell_margin) continue;
-    const double good =
-        *std::min_element(good_horizons.begin(), good_horizons.end(), [&](double a, double b) {
-          return std::abs(a - simulation.horizon) < std::abs(b - simulation.horizon);
-        });
-    findings.add(
-        typed->where,
-        fmt::format(
-            "simulation.horizon = {} lies within 1 % of a shell of the cubic lattice (sqrt({}) = {:.4g} "
-            "spacings), where rounding decides which particles are neighbours; the nearest good one is {}",
-            simulation.horizon, n, shell, good));
-    return;
-  }
-}
-
 void check_shape(const TomlValue& value, Shape& shape, const std::string& path, Findings& findings) {
-  static constexpr std::array<std::pair<const char*, Shape::Kind>, 6> kinds = {
+  static constexpr std::array<std::pair<const char*, Shape::Kind>, 7> kinds = {
       {{"box", Shape::Kind::box},
        {"sphere", Shape::Kind::sphere},
        {"cylinder", Shape::Kind::cylinder},
        {"torus", Shape::Kind::torus},
        {"mesh", Shape::Kind::mesh},
-       {"plane", Shape::Kind::plane}}};
+       {"plane", Shape::Kind::plane},
+       {"sheet", Shape::Kind::sheet}}};
   std::vector<std::string> typed;
   for (const auto& [name, kind] : kinds)
     if (value.find(name)) {
@@ -62,8 +35,8 @@ void check_shape(const TomlValue& value, Shape& shape, const std::string& path, 
   if (typed.size() != 1) {
     findings.add(
         value.where,
-        fmt::format("{} must have exactly one of box, sphere, cylinder, torus, mesh, plane; it has {}", path,
-                    typed.empty() ? "none" : fmt::format("{}", fmt::join(typed, " and "))));
+        fmt::format("{} must have exactly one of box, sphere, cylinder, torus, mesh, plane, sheet; it has {}",
+                    path, typed.empty() ? "none" : fmt::format("{}", fmt::join(typed, " and "))));
     return;
   }
   const auto refuse = [&](const char* key, const char* reason) {
@@ -120,19 +93,7 @@ void check_material(const TomlValue& value, Material& material, const std::strin
   material.color_given = value.find("color") != nullptr;
   check_basis_law(value, material, path, findings);
   check_inversion(value, material, path, findings);
-  if (material.law == "projective") {
-    const TomlValue* poisson = value.find("poisson");
-    if (!poisson)
-      material.poisson = 0.25;
-    else if (poisson->is_number() && material.poisson != 0.25)
-      findings.add(
-          poisson->where,
-          fmt::format(
-              "{}.poisson = {} cannot be had with law = \"projective\": that law always has ratio 1/4, "
-              "whatever is typed; for another ratio choose law = \"corotated\"",
-              path, material.poisson));
-    return;
-  }
+  if (material.law == "projective") return; // its ratio is checked with its bodies
   for (const char* key : {"split"})
     if (const TomlValue* entry = value.find(key))
       findings.add(entry->key_where,
@@ -247,9 +208,7 @@ std::string place_of_shape(const TomlValue& value) {
 
 void check_table(const schema::Table& table, const TomlValue& value, void* object, const std::string& path,
                  Findings& findings) {
-  if (&table == &schema::simulation_table()) {
-    check_simulation(value, *static_cast<SimulationSettings*>(object), findings);
-  } else if (&table == &schema::shape_table()) {
+  if (&table == &schema::shape_table()) {
     check_shape(value, *static_cast<Shape*>(object), path, findings);
   } else if (&table == &schema::material_table()) {
     check_material(value, *static_cast<Material*>(object), path, findings);
@@ -302,6 +261,8 @@ void check_scene(const TomlValue& document, Scene& scene, Findings& findings) {
   }
   if (const TomlValue* boundaries = document.find("boundary"); boundaries && boundaries->kind == Kind::array)
     name_things(boundaries, scene.boundaries, "boundary", findings);
+
+  check_flat(document, scene, findings);
 
   const TomlValue* simulation = document.find("simulation");
   if (!simulation) return;

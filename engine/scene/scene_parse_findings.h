@@ -6,6 +6,8 @@
 
 namespace pliant {
 
+enum class Neighbourhood : std::uint8_t;
+
 /// Collects faults, to be reported together.
 class Findings {
 public:
@@ -43,8 +45,13 @@ void check_table(const schema::Table& table, const TomlValue& value, void* objec
                  Findings& findings);
 /// Of these, those of laws over basis functions: of a material, and of its directions.
 void check_basis_law(const TomlValue& value, Material& material, const std::string& path, Findings& findings);
+/// Its constants and its energy, where the rest of it is sound.
+void check_energy(const TomlValue& value, const Material& material, Neighbourhood neighbourhood,
+                  const std::string& path, Findings& findings);
 void check_directions(const TomlValue& value, Anisotropy& anisotropy, const std::string& path,
                       Findings& findings);
+/// The rules of horizons, of Poisson's ratios, of sheets and of plane scenes.
+void check_flat(const TomlValue& document, Scene& scene, Findings& findings);
 /// The rules that join tables.
 void check_scene(const TomlValue& document, Scene& scene, Findings& findings);
 

@@ -40,7 +40,6 @@ void check_directions(const TomlValue& value, Anisotropy& anisotropy, const std:
 void check_basis_law(const TomlValue& value, Material& material, const std::string& path,
                      Findings& findings) {
   const std::string& law = material.law;
-  const std::size_t before = findings.count();
   const auto refuse = [&](const char* key, const std::string& laws) {
     if (const TomlValue* entry = value.find(key))
       findings.add(entry->key_where,
@@ -75,10 +74,15 @@ void check_basis_law(const TomlValue& value, Material& material, const std::stri
       if (const TomlValue* typed = basis->find(key); typed && typed->kind == TomlValue::Kind::table)
         find_fault(typed->where, fmt::format("{}.basis.{}", path, key), findings,
                    [&, listed = shares] { basis_sum(*listed); });
-  if (findings.count() > before) return;
-  const TomlValue* blamed = law == "basis" ? basis : value.find("law");
-  if (law == "basis" && (material.volume_basis.empty() || material.bond_basis.empty())) return;
-  find_fault(blamed ? blamed->where : value.where, path, findings, [&] { stretch_energy(material); });
+}
+
+void check_energy(const TomlValue& value, const Material& material, Neighbourhood neighbourhood,
+                  const std::string& path, Findings& findings) {
+  const TomlValue* blamed = value.find(material.law == "basis" ? "basis" : "law");
+  find_fault(blamed ? blamed->where : value.where, path, findings, [&] {
+    law_constants(material, neighbourhood);
+    stretch_energy(material, neighbourhood);
+  });
 }
 
 } // namespace pliant

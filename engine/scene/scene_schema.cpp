@@ -18,6 +18,12 @@ std::vector<void*> every_camera(void* render) {
   auto& camera = static_cast<RenderSettings*>(render)->camera;
   return camera ? std::vector<void*>{&*camera} : std::vector<void*>{};
 }
+bool by_power(const void* simulation) {
+  return static_cast<const SimulationSettings*>(simulation)->influence == "power";
+}
+bool in_a_plane(const void* simulation) {
+  return static_cast<const SimulationSettings*>(simulation)->dimension == 2;
+}
 Slot allowances(void* scene) {
   auto& s = *static_cast<Scene*>(scene);
   return Flags{{&s.allow_overlap, &s.allow_sparse}};
@@ -141,12 +147,10 @@ const Table& simulation_table() {
         .example = "0.02",
         .required = true},
        {.name = "horizon",
-        .meaning = "reach of a bond; never on a shell of the cubic lattice (1.87, 2.1, 2.35, 2.6, 3.1)",
+        .meaning = "reach of a bond; never on a shell of the lattice (1.87, 2.1, 2.35, 2.6, 3.1)",
         .slot = at<&S::horizon>,
         .unit = "spacings",
-        .range = {.low = 1.2,
-                  .high = 4.1,
-                  .why = "a shorter one leaves too few bonds, a longer one costs too many"}},
+        .range = horizon_range},
        {.name = "time_step",
         .meaning = "time step; a number or a fraction such as \"1/60\"",
         .slot = at<&S::time_step>,
@@ -167,7 +171,21 @@ const Table& simulation_table() {
         .slot = at<&S::weight_exponent>,
         .range = {.low = -3,
                   .high = 3,
-                  .why = "beyond it the nearest or the farthest bonds alone would count"}}},
+                  .why = "beyond it the nearest or the farthest bonds alone would count"},
+        .applies = by_power},
+       {.name = "influence",
+        .meaning = "of bonds, before moments are matched: r^p, 1, (1 + r/horizon)^-1 or r/horizon",
+        .slot = at<&S::influence>,
+        .choices = {"power", "constant", "decreasing", "increasing"}},
+       {.name = "dimension",
+        .meaning = "2: everything lies and moves in the plane z = 0",
+        .slot = at<&S::dimension>,
+        .range = {.low = 2, .high = 3, .why = "matter of one dimension is not simulated"}},
+       {.name = "plane",
+        .meaning = "dimension 2: what is zero across the plane",
+        .slot = at<&S::plane>,
+        .choices = {"strain", "stress"},
+        .applies = in_a_plane}},
       std::make_shared<S>()};
   return table;
 }

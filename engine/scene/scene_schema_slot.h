@@ -51,5 +51,7 @@ inline std::vector<Key> turn_keys(Slot (*axis)(void*), Slot (*degrees)(void*)) {
 constexpr Range positive{.low = 0, .above = true};
 constexpr Range not_negative{.low = 0};
 constexpr Range unit_interval{.low = 0, .high = 1};
+constexpr Range horizon_range{
+    .low = 1.2, .high = 4.1, .why = "a shorter one leaves too few bonds, a longer one costs too many"};
 
 } // namespace pliant::schema

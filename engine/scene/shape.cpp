@@ -74,6 +74,8 @@ std::string name_of(const Shape& shape) {
     return "torus";
   case Shape::Kind::mesh:
     return fmt::format("mesh '{}'", shape.mesh);
+  case Shape::Kind::sheet:
+    return "sheet";
   case Shape::Kind::plane:
     break;
   }
@@ -111,6 +113,13 @@ PlacedShape place(const Shape& shape, const std::filesystem::path& scene_directo
   case Shape::Kind::mesh:
     place_mesh(placed, scene_directory);
     break;
+  case Shape::Kind::sheet: {
+    const auto [width, height] = shape.sheet.value_or(std::array<double, 2>{0, 0});
+    require_positive(shape, "width", width);
+    require_positive(shape, "height", height);
+    placed.half = {width / 2, height / 2, 0};
+    break;
+  }
   case Shape::Kind::plane:
     return placed;
   }
@@ -137,6 +146,7 @@ double volume_of(const PlacedShape& placed) {
   case Shape::Kind::mesh:
     return signed_volume(placed.mesh);
   case Shape::Kind::plane:
+  case Shape::Kind::sheet: // one layer encloses nothing
     break;
   }
   return 0;
@@ -155,6 +165,7 @@ double analytic_distance(const Shape& shape, const Vector3& own) {
     return std::hypot(from_axis - shape.radius, own[1]) - shape.tube;
   case Shape::Kind::mesh:
   case Shape::Kind::plane:
+  case Shape::Kind::sheet:
     break;
   }
   throw Error(ExitCode::internal, fmt::format("{}: it has no distance in closed form", name_of(shape)));

@@ -49,5 +49,8 @@ Mesh triangulate_sphere(double radius, std::uint32_t cells); ///< 12 cells^2 tri
 Mesh triangulate_cylinder(double radius, double height, std::uint32_t around, std::uint32_t rows,
                           std::uint32_t rings);
 Mesh triangulate_torus(double radius, double tube, std::uint32_t around, std::uint32_t around_tube);
+/// Open surfaces about the origin in the plane z = 0, counter-clockwise from above.
+Mesh triangulate_rectangle(double width, double height, double edge);
+Mesh triangulate_disc(double radius, std::uint32_t around, std::uint32_t rings);
 
 } // namespace pliant

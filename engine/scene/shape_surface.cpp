@@ -104,6 +104,35 @@ Mesh triangulate_torus(double radius, double tube, std::uint32_t around, std::ui
   return revolve(profile, true, around);
 }
 
+Mesh triangulate_rectangle(double width, double height, double edge) {
+  const std::uint32_t columns = cells_of(width, edge, 1, triangle_limit / 2),
+                      rows = cells_of(height, edge, 1, triangle_limit / 2);
+  Mesh mesh;
+  for (std::uint32_t j = 0; j <= rows; ++j)
+    for (std::uint32_t i = 0; i <= columns; ++i)
+      mesh.vertices.emplace_back(width * (double(i) / columns - 0.5), height * (double(j) / rows - 0.5), 0);
+  for (std::uint32_t j = 0; j < rows; ++j)
+    for (std::uint32_t i = 0; i < columns; ++i) {
+      const std::uint32_t a = j * (columns + 1) + i, b = a + 1, c = b + columns + 1, d = c - 1;
+      if ((i + j) % 2 == 0) { // diagonals alternate, so that no direction is preferred
+        mesh.triangles.push_back({a, b, c});
+        mesh.triangles.push_back({a, c, d});
+      } else {
+        mesh.triangles.push_back({a, b, d});
+        mesh.triangles.push_back({b, c, d});
+      }
+    }
+  return mesh;
+}
+
+Mesh triangulate_disc(double radius, std::uint32_t around, std::uint32_t rings) {
+  std::vector<std::array<double, 2>> profile;
+  for (std::uint32_t i = 0; i <= rings; ++i) profile.push_back({radius * (rings - i) / rings, 0});
+  Mesh mesh = revolve(profile, false, around);
+  for (Vector3& v : mesh.vertices) v = {v.x(), -v.z(), 0};
+  return mesh;
+}
+
 Mesh surface_of(const PlacedShape& placed, double spacing) {
   const Shape& s = placed.shape;
   const double turn = 2 * std::numbers::pi;
@@ -135,6 +164,12 @@ Mesh surface_of(const PlacedShape& placed, double spacing) {
   }
   case Shape::Kind::mesh:
     mesh = placed.mesh;
+    break;
+  case Shape::Kind::sheet:
+    mesh =
+        triangulate_rectangle(s.sheet->at(0), s.sheet->at(1),
+                              spacing * std::sqrt(std::max(1.0, 2 * s.sheet->at(0) * s.sheet->at(1) /
+                                                                    (spacing * spacing * triangle_limit))));
     break;
   case Shape::Kind::plane:
     break;

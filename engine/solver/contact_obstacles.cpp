@@ -81,6 +81,9 @@ Obstacles::Obstacles(const Scene& scene, double radius, double cell, bool measur
       o.kind = OBSTACLE_TORUS;
       o.size = {shape.radius, shape.tube, 0};
       break;
+    case Shape::Kind::sheet:
+      throw Error(ExitCode::usage,
+                  "boundary '" + boundary.name + "': a sheet keeps nothing out; use a thin box");
     case Shape::Kind::mesh: {
       o.kind = OBSTACLE_MESH;
       o.axes.setIdentity(); // the grid lies along the world's axes before any motion

@@ -19,8 +19,11 @@ namespace {
 constexpr std::size_t rows = 9; ///< of `inversion_shape`, see kernels/inversion_state.decl
 
 bool resists_inversion(const Scene& scene, const Model& model, const LawRange& range) {
-  return std::any_of(model.material.begin() + range.first, model.material.begin() + range.first + range.count,
-                     [&](std::uint32_t m) { return pliant::resists_inversion(scene.materials[m]); });
+  for (std::uint32_t i = range.first; i < range.first + range.count; ++i)
+    if (pliant::resists_inversion(typed_material(scene, model, i)) &&
+        model.bodies[model.body[i]].thickness == 0)
+      return true;
+  return false; // what is flat has no inside
 }
 
 } // namespace
@@ -63,7 +66,7 @@ void Inversion::upload() {
   std::vector<double> shape(rows * n, 0.0);
   for (const LawRange& range : ranges_)
     for (std::uint32_t i = range.first; i < range.first + range.count; ++i) {
-      if (!pliant::resists_inversion(scene_.materials[model_.material[i]])) continue;
+      if (!pliant::resists_inversion(typed_material(scene_, model_, i))) continue;
       const ShapeTensor tensor = shape_tensor(model_, i);
       if (tensor.rank < 3) continue; // sheets and threads have no inside
       const LawConstants& constants = model_.constants[model_.material[i]];

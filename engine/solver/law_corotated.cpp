@@ -14,9 +14,14 @@ using Energy = kernels::corotated_energy::Args;
 using Tangent = kernels::corotated_tangent::Args;
 using Product = kernels::corotated_product::Args;
 
+/// In two dimensions rotations turn about z; of what is flat the derivative is held higher.
+State state_variant(const Model& model) { return {.plane = model.dimension == 2}; }
+Tangent tangent_variant(const Model& model) { return {.flat = model.dimension == 2 || model.has_sheets()}; }
+
 class Corotated : public RecordLaw<State, Energy, Tangent> {
 public:
-  using RecordLaw::RecordLaw;
+  explicit Corotated(const LawContext& context)
+      : RecordLaw(context, state_variant(context.model), tangent_variant(context.model)) {}
 
   void product(const LawRange& range, BufferStorage* direction) override {
     const SimulationState& s = context_.state;
@@ -42,7 +47,8 @@ std::unique_ptr<ElasticLaw> make_corotated(const LawContext& context) {
 }
 
 LawNeeds corotated_needs(const LawRequest& request) {
-  return record_needs<State, Energy, Tangent, Product>(request, 11);
+  return record_needs<State, Energy, Tangent, Product>(request, 11, state_variant(request.model),
+                                                       tangent_variant(request.model));
 }
 
 } // namespace pliant

@@ -12,7 +12,9 @@ namespace pliant {
 
 template <class StateArgs, class EnergyArgs, class TangentArgs> class RecordLaw : public ElasticLaw {
 public:
-  using ElasticLaw::ElasticLaw;
+  /// The local step and its derivative with the options that the scene needs.
+  explicit RecordLaw(const LawContext& context, const StateArgs& state = {}, const TangentArgs& tangent = {})
+      : ElasticLaw(context), state_(state), tangent_(tangent) {}
 
   void begin(const LawRange& range) override {
     const SimulationState& s = context_.state;
@@ -30,19 +32,21 @@ public:
   }
   void state(const LawRange& range, BufferStorage* displacement) override {
     const SimulationState& s = context_.state;
-    context_.device.run(StateArgs{.threads = range.count,
-                                  .first = range.first,
-                                  .first_slice = range.first_slice,
-                                  .stride = context_.particles,
-                                  .unit = context_.unit,
-                                  .slice_begin = s.slice_begin,
-                                  .bond = s.bond,
-                                  .weight = s.weight,
-                                  .displacement = displacement,
-                                  .shape = s.shape,
-                                  .rotation = s.rotation,
-                                  .record = s.record,
-                                  .solver = s.solver});
+    StateArgs args = state_;
+    args.threads = range.count;
+    args.first = range.first;
+    args.first_slice = range.first_slice;
+    args.stride = context_.particles;
+    args.unit = context_.unit;
+    args.slice_begin = s.slice_begin;
+    args.bond = s.bond;
+    args.weight = s.weight;
+    args.displacement = displacement;
+    args.shape = s.shape;
+    args.rotation = s.rotation;
+    args.record = s.record;
+    args.solver = s.solver;
+    context_.device.run(args);
   }
   void force(const LawRange& range) override { gather(range, false); }
   void energy(const LawRange& range, BufferStorage* displacement, bool gated) override {
@@ -65,19 +69,21 @@ public:
   }
   void tangent(const LawRange& range, BufferStorage* displacement) override {
     const SimulationState& s = context_.state;
-    context_.device.run(TangentArgs{.threads = range.count,
-                                    .first = range.first,
-                                    .first_slice = range.first_slice,
-                                    .stride = context_.particles,
-                                    .unit = context_.unit,
-                                    .slice_begin = s.slice_begin,
-                                    .bond = s.bond,
-                                    .weight = s.weight,
-                                    .displacement = displacement,
-                                    .shape = s.shape,
-                                    .rotation = s.rotation,
-                                    .solver = s.solver,
-                                    .tangent = s.tangent});
+    TangentArgs args = tangent_;
+    args.threads = range.count;
+    args.first = range.first;
+    args.first_slice = range.first_slice;
+    args.stride = context_.particles;
+    args.unit = context_.unit;
+    args.slice_begin = s.slice_begin;
+    args.bond = s.bond;
+    args.weight = s.weight;
+    args.displacement = displacement;
+    args.shape = s.shape;
+    args.rotation = s.rotation;
+    args.solver = s.solver;
+    args.tangent = s.tangent;
+    context_.device.run(args);
   }
 
 protected:
@@ -97,20 +103,25 @@ protected:
                                                        .force = s.force,
                                                        .solver = s.solver});
   }
+
+private:
+  StateArgs state_;
+  TangentArgs tangent_;
 };
 
 /// `rows` of `shape`: the two that all laws have, nine of S, and the law's own.
 template <class StateArgs, class EnergyArgs, class TangentArgs, class ProductArgs>
-LawNeeds record_needs(const LawRequest& request, std::size_t rows) {
+LawNeeds record_needs(const LawRequest& request, std::size_t rows, const StateArgs& state = {},
+                      const TangentArgs& tangent = {}) {
   LawNeeds needs;
   const std::size_t n = request.model.count();
   needs.shape_rows = rows;
   needs.buffers = {{"record", Type::real4, 3 * n, ""}, {"rotation", Type::real4, n, ""}};
   needs.kernel(kernels::corotated_begin::Args{});
-  needs.kernel(StateArgs{});
+  needs.kernel(state);
   needs.kernel(kernels::corotated_force::Args{});
   if (request.derivative) {
-    needs.kernel(TangentArgs{});
+    needs.kernel(tangent);
     needs.kernel(ProductArgs{});
     needs.kernel(kernels::corotated_force::Args{.product = 1});
   }

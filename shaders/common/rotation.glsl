@@ -94,6 +94,16 @@ vec4 polar_rotation(mat3 s, vec4 q) {
   return normalize(quaternion_product(q, horn_rotation(transpose(rotation_matrix(q)) * s)));
 }
 
+// The rotation about z that maximises tr(R^T S) for S of the plane z = 0; `q` where all are alike: a point, or a mirror
+// image that was not stretched.
+vec4 plane_rotation(mat3 s, vec4 q) {
+  float along = s[0][0] + s[1][1], across = s[0][1] - s[1][0];
+  float size = abs(s[0][0]) + abs(s[1][1]) + abs(s[0][1]) + abs(s[1][0]), len = sqrt(along * along + across * across);
+  if (!(len > 1e-6 * size)) return q;
+  float c = along / len, n = across / len; // cosine and sine; of half the angle from the one that keeps digits
+  return normalize(c >= 0.0 ? vec4(0.0, 0.0, n, 1.0 + c) : vec4(0.0, 0.0, 1.0 - c, n));
+}
+
 // Eigenvalues and vectors (columns of v) of a symmetric matrix by cyclic Jacobi.
 void symmetric_eigen(mat3 a, out vec3 values, out mat3 v) {
   v = mat3(1.0);

@@ -62,6 +62,7 @@ std::string good_table(const Table& table, const Key* also) {
     text += std::string(", law = \"") + (basis ? "basis" : stretch ? "stvk" : "projective") + "\"";
   }
   if (&table == &schema::render_table() && also && also->name == "range") text += ", color = \"strain\"";
+  if (&table == &schema::simulation_table() && also && also->name == "plane") text += ", dimension = 2";
   return "{" + text + "}";
 }
 
@@ -88,6 +89,8 @@ std::string scene_around(const Table& table, const std::string& inner) {
                 std::string(name == "turned" ? "rotate" : name) + " = " + inner + "}}}";
   else if (name == "body")
     body = inner;
+  else if (name == "shape" && inner.starts_with("{sheet")) // of a body, since it keeps nothing out
+    body = "{material = \"rubber\", thickness = 0.01, shape = " + inner + "}";
   else if (name == "shape") // of an obstacle, where planes are allowed
     extra = "boundary = [{shape = " + inner + "}]\n";
   else if (name == "cylinder" || name == "torus")
@@ -103,7 +106,9 @@ std::string scene_around(const Table& table, const std::string& inner) {
   else if (name == "camera")
     extra = "render = {camera = " + inner + "}\n";
   else
-    extra = std::string(name) + " = " + inner + "\n"; // solver, contact, output, render
+    extra = std::string(name) + " = " + inner + "\n";                 // solver, contact, output, render
+  if (name == "body" && inner.find("thickness") != std::string::npos) // which a box has in a plane scene only
+    simulation = "{spacing = 0.1, dimension = 2}";
   return extra + "simulation = " + simulation + "\nmaterials = " + materials + "\nbody = [" + body + "]\n";
 }
 
@@ -168,7 +173,7 @@ TEST(SceneSchema, ListsWhatIsRead) {
             json({"corotated", "ordinary", "projective", "basis", "stvk", "neo-hookean"}));
   EXPECT_EQ(document["$defs"]["materials"]["properties"]["density"]["anyOf"][0]["exclusiveMinimum"], 0);
   EXPECT_THAT(text, HasSubstr("default 1.87"));
-  EXPECT_THAT(text, HasSubstr("number, 0 to 0.499"));
+  EXPECT_THAT(text, HasSubstr("number, 0 to 0.95"));
 }
 
 } // namespace

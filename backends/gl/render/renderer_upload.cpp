@@ -34,8 +34,8 @@ void GlRenderer::upload_bodies(const Scene& scene, const Model& model) {
     all_.push_back({body.first, body.count});
     for (std::uint32_t i = body.first; i < body.first + body.count; ++i) {
       Vector3 colour = colours[b];
-      if (by_region && scene.materials[model.material[i]].name != scene.bodies[b].material)
-        colour = to_linear(scene.materials[model.material[i]].color);
+      if (by_region && typed_material(scene, model, i).name != scene.bodies[b].material)
+        colour = to_linear(typed_material(scene, model, i).color);
       for (int c = 0; c < 3; ++c)
         particle_colours[i][c] =
             static_cast<std::uint8_t>(std::lround(255 * std::sqrt(std::clamp(colour[c], 0.0, 1.0))));

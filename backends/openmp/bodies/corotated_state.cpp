@@ -25,7 +25,8 @@ template <class real> void corotated_state(const kernels::corotated_state::View<
         *value = inverse_modulus * (unit * *value + load_wide(start));
         start += k.stride;
       }
-      const Wide4<real> q = polar_rotation(s, gather(k.rotation, part.index), part.count);
+      const Wide4<real> before = gather(k.rotation, part.index);
+      const Wide4<real> q = k.plane ? plane_rotation(s, before) : polar_rotation(s, before, part.count);
       const WideMat3<real> r = rotation_matrix<real>(q);
       const Wide<real> theta = inner(r, s);
       const Wide<real> scale = 1 - load_wide(k.shape + k.stride + i) * (theta - 1);
