@@ -24,7 +24,12 @@ void main() {
 #endif
   mat3 r = rotation_matrix(q);
   float theta = dot(r[0], s[0]) + dot(r[1], s[1]) + dot(r[2], s[2]);
-  mat3 a = (1.0 - shape[stride + i] * (theta - 1.0)) * r;
+#if failing
+  float rest = shape[share_row * stride + i];
+#else
+  float rest = 1.0;
+#endif
+  mat3 a = (1.0 - shape[stride + i] * (theta - rest)) * r;
   rotation[i] = q;
   record[3 * i] = vec4(a[0][0], a[1][0], a[2][0], ui.x);
   record[3 * i + 1] = vec4(a[0][1], a[1][1], a[2][1], ui.y);

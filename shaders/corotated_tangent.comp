@@ -22,7 +22,12 @@ void main() {
   float theta = u[0][0] + u[1][1] + u[2][2], coupling = shape[stride + i];
   float xx = theta - u[0][0], yy = theta - u[1][1], zz = theta - u[2][2];
   float xy = -0.5 * (u[0][1] + u[1][0]), xz = -0.5 * (u[0][2] + u[2][0]), yz = -0.5 * (u[1][2] + u[2][1]);
-  float scale = 1.0 - coupling * (theta - 1.0);
+#if failing
+  float rest = shape[share_row * stride + i];
+#else
+  float rest = 1.0;
+#endif
+  float scale = 1.0 - coupling * (theta - rest);
 #if flat
   float kept = scale;
 #else

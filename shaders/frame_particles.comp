@@ -13,6 +13,8 @@ void main() {
   value = energy[i] / start[i].w;
 #elif field == 4
   value = distance(world, start[i].xyz);
+#elif field == 5
+  value = 1.0 - shape[share_at + i];
 #endif
   particle[i] = vec4(world, value);
 }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -18,6 +19,7 @@ namespace pliant {
 namespace {
 
 constexpr std::size_t plain_columns = 11;
+constexpr const char* fracture_columns = ",broken_bonds,fracture_energy";
 
 std::string header_of(const std::filesystem::path& path, const std::vector<std::string>& components) {
   std::string header =
@@ -29,6 +31,8 @@ std::string header_of(const std::filesystem::path& path, const std::vector<std::
                   fmt::format("\"{}\" cannot name a column of {}", component, path.string()));
     header += ",ms_" + component;
   }
+  if (std::find(components.begin(), components.end(), "failure") != components.end())
+    header += fracture_columns;
   return header + "\n";
 }
 
@@ -106,6 +110,7 @@ void StatisticsWriter::append(const StatisticsRow& row) {
                                  row.residual, row.stopped, row.kinetic_energy, row.elastic_energy,
                                  row.momentum[0], row.momentum[1], row.momentum[2], row.ms_total);
   for (const double ms : row.ms_components) line += fmt::format(",{}", ms);
+  if (row.fracture) line += fmt::format(",{:.0f},{}", (*row.fracture)[0], (*row.fracture)[1]);
   write(line + "\n");
 }
 
@@ -114,6 +119,9 @@ std::vector<StatisticsRow> read_statistics(const std::filesystem::path& path) {
   std::vector<StatisticsRow> rows;
   std::string line;
   std::getline(text, line);
+  const std::string last = fracture_columns;
+  const bool fracture =
+      line.size() >= last.size() && line.compare(line.size() - last.size(), last.size(), last) == 0;
   while (std::getline(text, line) && !text.eof()) {
     std::vector<std::string> cells(1);
     for (const char c : line)
@@ -142,6 +150,11 @@ std::vector<StatisticsRow> read_statistics(const std::filesystem::path& path) {
                       {number(7), number(8), number(9)},
                       number(10),
                       {}};
+    if (fracture) {
+      if (cells.size() < plain_columns + 2) throw damaged();
+      row.fracture = {number(cells.size() - 2), number(cells.size() - 1)};
+      cells.resize(cells.size() - 2);
+    }
     for (std::size_t c = plain_columns; c < cells.size(); ++c) row.ms_components.push_back(number(c));
     rows.push_back(std::move(row));
   }

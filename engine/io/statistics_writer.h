@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,12 +21,15 @@ struct StatisticsRow {
   std::array<double, 3> momentum = {0, 0, 0}; ///< kg m/s
   double ms_total = 0;
   std::vector<double> ms_components; ///< in the order of the header
+  /// Scenes whose bonds may break: bonds broken and J released so far, the last two columns.
+  std::optional<std::array<double, 2>> fracture = std::nullopt;
 };
 
 class StatisticsWriter {
 public:
   /// Writes the header: step, time, iterations, residual, stopped, kinetic_energy, elastic_energy,
-  /// momentum_x, momentum_y, momentum_z, ms_total, then ms_<component>. Replaces what is there. Throws
+  /// momentum_x, momentum_y, momentum_z, ms_total, then ms_<component>; with a component "failure" then
+  /// broken_bonds, fracture_energy. Replaces what is there. Throws
   /// Error(input_output).
   StatisticsWriter(const std::filesystem::path& path, const std::vector<std::string>& components);
   /// Goes on with a file whose first `bytes` are kept; what lies beyond is dropped.

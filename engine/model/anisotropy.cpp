@@ -55,9 +55,8 @@ template <class Function> double sphere_mean(Vector3 strengths, Function f) {
 /// Over a circle, of an ellipse.
 template <class Function> double circle_mean(double one, double other, Function f) {
   const double least = std::min(one, other), most = std::max(one, other);
-  return quarter_turn([&](double angle) {
-           return f(std::hypot(most * std::sin(angle), least * std::cos(angle)));
-         }) /
+  return quarter_turn(
+             [&](double angle) { return f(std::hypot(most * std::sin(angle), least * std::cos(angle))); }) /
          (std::numbers::pi / 2);
 }
 

@@ -48,6 +48,30 @@ std::vector<Vector3> in_order(const std::vector<GridVector>& grid, const std::ve
   return reference;
 }
 
+/// The bonds that are not severed; rows stay sorted and symmetric.
+Bonds without(Bonds bonds, const std::vector<Vector3>& reference, const Severed& severed) {
+  if (!severed) return bonds;
+  const std::size_t count = bonds.begin.size() - 1;
+  constexpr std::uint32_t gone = UINT32_MAX;
+  std::vector<std::uint32_t> place(bonds.count(), gone);
+  Bonds kept;
+  kept.begin.push_back(0);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::uint32_t b = bonds.begin[i]; b < bonds.begin[i + 1]; ++b) {
+      // Asked from the lower end, so that both directions get one answer.
+      const std::uint32_t j = bonds.neighbour[b];
+      const bool cut = j < i ? place[bonds.reverse[b]] == gone : severed(reference[i], reference[j]);
+      if (cut) continue;
+      place[b] = static_cast<std::uint32_t>(kept.neighbour.size());
+      kept.neighbour.push_back(j);
+      kept.reverse.push_back(bonds.reverse[b]);
+    }
+    kept.begin.push_back(static_cast<std::uint32_t>(kept.neighbour.size()));
+  }
+  for (std::uint32_t& reverse : kept.reverse) reverse = place[reverse];
+  return kept;
+}
+
 template <class T> void extend(std::vector<T>& whole, std::vector<T>&& part) {
   if (whole.empty())
     whole = std::move(part);
@@ -57,7 +81,8 @@ template <class T> void extend(std::vector<T>& whole, std::vector<T>&& part) {
 
 } // namespace
 
-Arrangement arrange(const std::vector<Vector3>& points, double spacing, double horizon) {
+Arrangement arrange(const std::vector<Vector3>& points, double spacing, double horizon,
+                    const Severed& severed) {
   if (!(spacing > 0) || !std::isfinite(spacing))
     throw Error(ExitCode::usage, fmt::format("the spacing must be a positive length, not {} m", spacing));
   if (!(horizon <= longest_horizon * spacing))
@@ -86,7 +111,7 @@ Arrangement arrange(const std::vector<Vector3>& points, double spacing, double h
                       points[a].x(), points[a].y(), points[a].z()));
   }
   body.reference = in_order(grid, body.original, spacing);
-  body.bonds = find_bonds(body.reference, horizon);
+  body.bonds = without(find_bonds(body.reference, horizon), body.reference, severed);
   body.components = label_components(body.bonds, body.component);
   if (!std::is_sorted(body.component.begin(), body.component.end())) {
     std::vector<std::uint32_t> place(points.size());
@@ -97,7 +122,7 @@ Arrangement arrange(const std::vector<Vector3>& points, double spacing, double h
     for (std::size_t i = 0; i < place.size(); ++i) original[i] = body.original[place[i]];
     body.original = std::move(original);
     body.reference = in_order(grid, body.original, spacing);
-    body.bonds = find_bonds(body.reference, horizon);
+    body.bonds = without(find_bonds(body.reference, horizon), body.reference, severed);
     body.components = label_components(body.bonds, body.component);
   }
   return body;

@@ -3,6 +3,8 @@
 
 #include "engine/model/model.h"
 
+#include <functional>
+
 namespace pliant {
 
 /// A body's reference configuration: snapped, sorted and bonded. Indices are the body's own.
@@ -14,9 +16,14 @@ struct Arrangement {
   Bonds bonds; ///< without weights
 };
 
-/// Sorts by component, then z, y, x. `horizon` in metres. Throws Error(usage) for points that are not finite
-/// or that coincide once snapped, and for a horizon beyond what a packed bond vector holds.
-Arrangement arrange(const std::vector<Vector3>& points, double spacing, double horizon);
+/// Whether two reference positions have no bond although they are near.
+using Severed = std::function<bool(const Vector3& from, const Vector3& to)>;
+
+/// Sorts by component, then z, y, x. `horizon` in metres. `severed`: bonds that are not made. Throws
+/// Error(usage) for points that are not finite or that coincide once snapped, and for a horizon beyond what a
+/// packed bond vector holds.
+Arrangement arrange(const std::vector<Vector3>& points, double spacing, double horizon,
+                    const Severed& severed = {});
 
 /// The values of a body that the model keeps for each particle, in the arrangement's order.
 struct BodyParticles {

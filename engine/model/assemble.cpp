@@ -4,6 +4,7 @@
 #include "engine/model/anisotropy.h"
 #include "engine/model/arrange.h"
 #include "engine/model/checks.h"
+#include "engine/model/failure.h"
 #include "engine/model/initial_state.h"
 #include "engine/model/shape_tensor.h"
 
@@ -124,8 +125,22 @@ private:
   }
 
   void place(const Sampling& sampling) {
+    std::vector<std::size_t> severed(body_.cuts.size(), 0);
+    Severed cut;
+    if (!body_.cuts.empty())
+      cut = [&](const Vector3& from, const Vector3& to) {
+        const Vector3 a = sampling.origin + sampling.axes * from, b = sampling.origin + sampling.axes * to;
+        for (std::size_t c = 0; c < body_.cuts.size(); ++c)
+          if (box_meets(body_.cuts[c].region, a, b)) return ++severed[c] > 0;
+        return false;
+      };
     particles_.arrangement = located(
-        place_, [&] { return arrange(sampling.reference, model_.spacing, horizon() * model_.spacing); });
+        place_, [&] { return arrange(sampling.reference, model_.spacing, horizon() * model_.spacing, cut); });
+    for (std::size_t c = 0; c < severed.size(); ++c)
+      if (severed[c] == 0)
+        throw Error(ExitCode::usage,
+                    fmt::format("{}: cut {} severs no bond; put its box between particles of the body",
+                                place_, c + 1));
     particles_.position.reserve(sampling.reference.size());
     for (const Vector3& r : particles_.arrangement.reference)
       particles_.position.push_back(sampling.origin + sampling.axes * r);

@@ -66,8 +66,7 @@ void strengthen(const Material& material, BondSet& bonds) {
   const Matrix3 directions = directions_at(anisotropy, place);
   const double mean = mean_strength(anisotropy.strengths);
   for (const Vector3& bond : bonds.bond)
-    bonds.strength.push_back(
-        strength_along(bond.normalized(), directions, anisotropy.strengths, mean));
+    bonds.strength.push_back(strength_along(bond.normalized(), directions, anisotropy.strengths, mean));
 }
 
 } // namespace
@@ -84,8 +83,8 @@ BondSet lattice_neighbourhood(const SimulationSettings& settings, const Material
         vectors.push_back({x * reference_grid, y * reference_grid, z * reference_grid});
         result.bond.push_back(settings.spacing * step);
       }
-  result.weight = neighbourhood_weights(vectors, influence_of(settings, settings.horizon), moment_order(law_of(material)),
-                                        settings.weights == "matched")
+  result.weight = neighbourhood_weights(vectors, influence_of(settings, settings.horizon),
+                                        moment_order(law_of(material)), settings.weights == "matched")
                       .weight;
   strengthen(material, result);
   return result;

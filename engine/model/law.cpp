@@ -16,8 +16,9 @@ namespace {
 LawConstants flat_constants(Law law, double young, double poisson, double split, bool stress) {
   LawConstants constants;
   if (law == Law::neo_hookean)
-    throw Error(ExitCode::usage, "law neo-hookean needs neighbours in all three directions: in sheets and plane "
-                                 "scenes choose form = \"bonds\", or another law");
+    throw Error(ExitCode::usage,
+                "law neo-hookean needs neighbours in all three directions: in sheets and plane "
+                "scenes choose form = \"bonds\", or another law");
   if (law == Law::projective) {
     const double ratio = stress ? 1. / 3 : 0.25;
     if (std::abs(poisson - ratio) > 1e-9)
@@ -110,7 +111,8 @@ LawConstants law_constants(const Material& material, Neighbourhood neighbourhood
       law_constants(law_of(material), material.young, material.poisson, material.split, neighbourhood);
   if (material.calibration == "xu2018") {
     if (neighbourhood != Neighbourhood::solid)
-      throw Error(ExitCode::usage, "calibration \"xu2018\" is of solids; sheets and plane scenes have \"exact\"");
+      throw Error(ExitCode::usage,
+                  "calibration \"xu2018\" is of solids; sheets and plane scenes have \"exact\"");
     constants.coupling += 0.6; // Eq. 26 has lambda_2 = (9/2) lambda_L, without -(9/2) mu_L
     constants.bound = 1 + std::max(constants.coupling, 0.0);
   }

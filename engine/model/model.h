@@ -54,7 +54,8 @@ struct LawConstants {
 };
 /// In two dimensions mu_P = 2 mu_L, kappa = 2 lambda', b = 4 mu_L, a = 2 (lambda' + mu_L), basis mu_2 = b and
 /// lambda_2 = a - b, where lambda' is lambda_L in plane strain and E nu / (1 - nu^2) in plane stress, whose
-/// ratio may reach 0.95; the projective law has ratio 1/4 and 1/3. Throws Error(usage) for what is out of range.
+/// ratio may reach 0.95; the projective law has ratio 1/4 and 1/3. Throws Error(usage) for what is out of
+/// range.
 LawConstants law_constants(Law law, double young, double poisson, double split,
                            Neighbourhood neighbourhood = Neighbourhood::solid);
 /// The same by a material's own law and calibration. Throws Error(usage).

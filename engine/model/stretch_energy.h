@@ -31,9 +31,9 @@ struct StretchEnergy {
 /// are negative (saying where the sum would be convex) or sum to nothing, more powers than kernels hold.
 BasisSum basis_sum(const std::map<std::string, double>& shares);
 
-/// Of a material, in solids or in what is flat, whose law is "basis", "stvk", or "neo-hookean" with form "bonds"; empty sums for the others.
-/// Throws Error(usage): what basis_sum() throws, and energies that are not convex because lambda_2 is
-/// negative.
+/// Of a material, in solids or in what is flat, whose law is "basis", "stvk", or "neo-hookean" with form
+/// "bonds"; empty sums for the others. Throws Error(usage): what basis_sum() throws, and energies that are
+/// not convex because lambda_2 is negative.
 ///   neo-hookean, bonds: h = A_1, (lambda_2 / mu_2) g = 3/5 ((lambda_L / mu_L) log2 - A_1), which is exact
 ///   for dilation and small strain; in two dimensions 1/2 (...), with lambda' of law_constants().
 StretchEnergy stretch_energy(const Material& material, Neighbourhood neighbourhood = Neighbourhood::solid);

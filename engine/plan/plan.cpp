@@ -1,6 +1,7 @@
 // From a scene to the components, kernels and buffers it needs.
 #include "engine/plan/plan.h"
 
+#include "engine/model/failure.h"
 #include "engine/solver/contact.h"
 #include "engine/solver/elastic_law.h"
 #include "engine/solver/frame.h"
@@ -119,9 +120,11 @@ public:
     buffer("slice_begin", Type::uint, bonds_.slice_begin.size());
     buffer("bond", Type::uint, 2 * slice_width * rows);
     buffer("weight", Type::real, 2 * slice_width * rows);
-    std::size_t shape_rows = 0;
-    for (const Law law : laws()) shape_rows = std::max(shape_rows, needs(law).shape_rows);
-    buffer("shape", Type::real, n_ * shape_rows);
+    std::uint32_t shape_rows = 0;
+    for (const Law law : laws())
+      shape_rows = std::max(shape_rows, static_cast<std::uint32_t>(needs(law).shape_rows));
+    if (plan_.failure) plan_.share_row = shape_rows; // and the next
+    buffer("shape", Type::real, n_ * (shape_rows + (plan_.failure ? 2 : 0)));
     for (const Law law : elastic_laws()) {
       begin(std::string(law_name(law)) + " elasticity", any_law(model_, law));
       if (!active_) continue;
@@ -174,6 +177,15 @@ public:
       }
     if (resists_inversion(scene_, model_))
       for (const KernelSpec& spec : inversion().energies) kernel({spec.info, component_, spec.options});
+    begin("failure", plan_.failure);
+    buffer("toughness", Type::real4, n_);
+    kernels<kernels::bond_break::Args>();
+    if (plan_.energy) {
+      buffer("energy_before", Type::real, n_);
+      buffer("released", Type::real, n_);
+      buffer("fracture", Type::real, std::size_t{2} * statistics_rows);
+      kernels<kernels::bond_release::Args, kernels::fracture_sum::Args>();
+    }
     begin("statistics", plan_.statistics);
     buffer("chunk", Type::uint4, chunks.chunk.size());
     buffer("chunk_sum", Type::real4, 2 * chunks.chunk.size());
@@ -186,7 +198,7 @@ public:
     buffer("statistics", Type::real, std::size_t{16} * statistics_rows);
     kernel(kernels::statistics_chunk::Args{.energies = plan_.statistics});
     kernels<kernels::statistics_total::Args>();
-    for (const std::string& name : persistent_buffers())
+    for (const std::string& name : persistent_buffers(plan_))
       if (const BufferSpec* spec = plan_.find(name)) {
         const BufferSpec like = *spec; // buffer() may move what it points to
         buffer(kept_name(name), like.type, like.count);
@@ -223,7 +235,8 @@ private:
                            .model = model_,
                            .bonds = bonds_,
                            .derivative = plan_.method.name == "newton",
-                           .potential = plan_.method.potential});
+                           .potential = plan_.method.potential,
+                           .failing = plan_.failure});
   }
   void begin(const std::string& component, bool used) {
     component_ = component;
@@ -305,6 +318,7 @@ Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds,
   plan.divergence = request.divergence;
   const bool drawn = scene.render.color == "energy" || std::find(request.fields.begin(), request.fields.end(),
                                                                  "energy") != request.fields.end();
+  plan.failure = can_break(scene, model);
   plan.method = choose_method(scene, model);
   plan.energy = request.statistics || plan.method.potential || (request.frames && drawn);
   Planner planner(plan, scene, model, bonds);

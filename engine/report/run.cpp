@@ -9,6 +9,7 @@
 #include "engine/solver/guarded_run.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -210,16 +211,20 @@ bool Run::stretch(Progress& progress) {
   const std::vector<StepStatistics> rows = guard_->advance(last_step(), calls);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const StepStatistics& row = rows[k];
-    outputs_->append({row.step,
-                      row.time,
-                      row.iterations,
-                      row.residual,
-                      stop_name(row.reason),
-                      row.kinetic_energy,
-                      row.elastic_energy,
-                      {row.momentum.x(), row.momentum.y(), row.momentum.z()},
-                      total[k],
-                      spent[k]});
+    outputs_->append(
+        {row.step,
+         row.time,
+         row.iterations,
+         row.residual,
+         stop_name(row.reason),
+         row.kinetic_energy,
+         row.elastic_energy,
+         {row.momentum.x(), row.momentum.y(), row.momentum.z()},
+         total[k],
+         spent[k],
+         simulation_->plan().failure
+             ? std::optional(std::array{static_cast<double>(row.broken_bonds), row.fracture_energy})
+             : std::nullopt});
   }
   return !rows.empty();
 }

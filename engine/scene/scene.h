@@ -77,12 +77,21 @@ struct Material {
                                   ///< "none", or "swap" (the paper's row swap; fails by design)
   Vector3 color = {0.8, 0.45, 0.3};
   bool color_given = false;
+  // Failure: at most one of them; neither, and bonds never break.
+  std::optional<double> fracture_energy;  ///< J/m2, to cut a unit of area
+  std::optional<double> critical_stretch; ///< bonds break beyond a length of (1 + this) times the one at rest
+  bool breaks() const { return fracture_energy || critical_stretch; }
 };
 
 /// Whether the material's law feels lengths only, so that a neighbourhood may stay inverted unless it is
 /// pushed back.
 inline bool may_invert(const Material& material) {
   return material.law != "corotated" && (material.law != "neo-hookean" || material.form == "bonds");
+}
+
+/// Whether bonds of the material's law can break: those of laws with shape tensors cannot.
+inline bool may_break(const Material& material) {
+  return material.law != "projective" && (material.law != "neo-hookean" || material.form == "bonds");
 }
 
 /// Part of a body held, moved or loaded.
@@ -100,6 +109,11 @@ struct MaterialRegion {
   std::string material;
 };
 
+/// A piece of a plane, as a thin box, across which a body has no bonds: a notch.
+struct Cut {
+  Shape region; ///< in the body's initial position
+};
+
 /// Part of a body that starts deformed: y = c + F (x - c) of its rest positions.
 struct DeformedRegion {
   Shape region;                         ///< in the body's rest position
@@ -115,6 +129,7 @@ struct Body {
   Vector3 spin = Vector3::Zero();      ///< rad/s, about the centre of mass
   std::vector<MaterialRegion> regions; ///< later ones win
   std::vector<Condition> conditions;
+  std::vector<Cut> cuts;
   std::vector<DeformedRegion> deformed; ///< in this order, before `deform` and `start`
   /// Initial deformation of the particles about the centre of mass: y = c + F (x - c). Identity by default.
   Matrix3 deform = Matrix3::Identity();
@@ -175,7 +190,7 @@ struct ContactSettings {
 
 struct OutputSettings {
   double fps = 30;
-  std::vector<std::string> fields; ///< "velocity", "displacement", "strain", "energy"
+  std::vector<std::string> fields; ///< "velocity", "displacement", "strain", "energy", "damage"
   bool data = true;                ///< run.vtkhdf and run.xmf
   unsigned checkpoint_every = 10;  ///< frames; 0: only at the end and when interrupted
 };

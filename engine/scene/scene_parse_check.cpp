@@ -89,10 +89,38 @@ void check_inversion(const TomlValue& value, Material& material, const std::stri
                                            path, material.law));
 }
 
+void check_failure(const TomlValue& value, const Material& material, const std::string& path,
+                   Findings& findings) {
+  const TomlValue* const energy = value.find("fracture_energy");
+  const TomlValue* const stretch = value.find("critical_stretch");
+  if (energy && stretch)
+    findings.add(
+        stretch->key_where,
+        fmt::format("{}.critical_stretch and {}.fracture_energy say the same twice: the stretch follows "
+                    "from the energy; keep one",
+                    path, path));
+  const TomlValue* const typed = energy ? energy : stretch;
+  if (!typed) return;
+  if (!may_break(material))
+    findings.add(
+        typed->key_where,
+        fmt::format("{}.{}: bonds of law = \"{}\" do not break, because its shape tensors do not know "
+                    "of broken ones; choose law = \"corotated\", \"ordinary\", \"basis\" or "
+                    "\"stvk\"{}",
+                    path, typed->key, material.law,
+                    material.law == "neo-hookean" ? ", or form = \"bonds\"" : ""));
+  else if (material.inversion == "clamp")
+    findings.add(value.find("inversion")->where,
+                 fmt::format("{}.inversion = \"clamp\" pushes along shape tensors that do not know of broken "
+                             "bonds: leave it out, or {}",
+                             path, typed->key));
+}
+
 void check_material(const TomlValue& value, Material& material, const std::string& path, Findings& findings) {
   material.color_given = value.find("color") != nullptr;
   check_basis_law(value, material, path, findings);
   check_inversion(value, material, path, findings);
+  check_failure(value, material, path, findings);
   if (material.law == "projective") return; // its ratio is checked with its bodies
   for (const char* key : {"split"})
     if (const TomlValue* entry = value.find(key))
@@ -258,6 +286,21 @@ void check_scene(const TomlValue& document, Scene& scene, Findings& findings) {
       for (std::size_t j = 0; regions && regions->kind == Kind::array && j < regions->items.size(); ++j)
         check_reference(regions->items[j], fmt::format("body.{}.region.{}", i, j), materials, findings);
     }
+  }
+  const bool breaks = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                  [](const Material& material) { return material.breaks(); });
+  for (const auto& [table, key] : {std::pair{"render", "color"}, {"output", "fields"}}) {
+    const TomlValue* owner = document.find(table);
+    const TomlValue* typed = owner ? owner->find(key) : nullptr;
+    const bool wanted =
+        std::string_view(table) == "render"
+            ? scene.render.color == "damage"
+            : std::count(scene.output.fields.begin(), scene.output.fields.end(), "damage") > 0;
+    if (typed && wanted && !breaks)
+      findings.add(typed->where,
+                   fmt::format("{}.{}: there is no damage where nothing breaks; give a material a "
+                               "fracture_energy or a critical_stretch",
+                               table, key));
   }
   if (const TomlValue* boundaries = document.find("boundary"); boundaries && boundaries->kind == Kind::array)
     name_things(boundaries, scene.boundaries, "boundary", findings);

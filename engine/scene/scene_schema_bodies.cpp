@@ -244,7 +244,18 @@ const Table& material_table() {
        {.name = "color",
         .meaning = "red, green, blue from 0 to 1",
         .slot = at<&Material::color>,
-        .range = unit_interval}},
+        .range = unit_interval},
+       {.name = "fracture_energy",
+        .meaning = "energy that a unit of crack takes: bonds break; by default never",
+        .slot = at<&Material::fracture_energy>,
+        .unit = "J/m2",
+        .range = {.low = 0, .above = true, .why = "a crack that takes no energy is there from the start"},
+        .example = "135"},
+       {.name = "critical_stretch",
+        .meaning = "instead: bonds break beyond (1 + this) times their length at rest",
+        .slot = at<&Material::critical_stretch>,
+        .range = {.low = 0, .above = true, .why = "bonds at rest have a stretch of 1 and must not break"},
+        .example = "0.02"}},
       std::make_shared<Material>()};
   return table;
 }
@@ -341,6 +352,18 @@ const Table& loaded_table() {
   return table;
 }
 
+const Table& cut_table() {
+  static const Table table{"cut",
+                           "[[body.cut]]",
+                           "A notch: bonds that cross it are not made.",
+                           {{.name = "region",
+                             .meaning = "a box between the particles that it parts; thin, if they all stay",
+                             .required = true,
+                             .nested = one_shape(child<&Cut::region>, only<&Cut::region>)}},
+                           std::make_shared<Cut>()};
+  return table;
+}
+
 const Table& deformed_table() {
   using D = DeformedRegion;
   static const Table table{
@@ -433,7 +456,10 @@ const Table& body_table() {
         .nested = {&loaded_table(), How::list, append_condition<K::loaded>, every_condition<K::loaded>}},
        {.name = "region",
         .meaning = "parts of another material",
-        .nested = {&region_table(), How::list, append<&Body::regions>, every<&Body::regions>}}},
+        .nested = {&region_table(), How::list, append<&Body::regions>, every<&Body::regions>}},
+       {.name = "cut",
+        .meaning = "notches",
+        .nested = {&cut_table(), How::list, append<&Body::cuts>, every<&Body::cuts>}}},
       std::make_shared<Body>()};
   return table;
 }

@@ -21,6 +21,7 @@ struct LawContext {
   SimulationState& state;
   std::uint32_t particles = 0; ///< row length of `shape`
   double unit = 0;             ///< m, of packed bond vectors
+  std::uint32_t share_row = 0; ///< of `shape`: share of the weights that is left; 0: nothing breaks
 };
 
 class ElasticLaw {
@@ -51,6 +52,7 @@ struct LawRequest {
   const SlicedBonds& bonds;
   bool derivative = false; ///< Newton's method: tangents and products
   bool potential = false;  ///< energies in the line search
+  bool failing = false;    ///< bonds may break
 };
 
 /// Names of components are the plan's business and stay empty.

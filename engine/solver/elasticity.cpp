@@ -7,11 +7,12 @@
 
 namespace pliant {
 
-Elasticity::Elasticity(Device& device, const Scene& scene, const Model& model, SimulationState& state)
+Elasticity::Elasticity(Device& device, const Scene& scene, const Model& model, SimulationState& state,
+                       std::uint32_t share_row)
     : device_(device), model_(model), state_(state), unit_(model.spacing / reference_grid) {
   const auto particles = static_cast<std::uint32_t>(model.count());
   for (const LawRange& range : model.laws)
-    laws_.push_back(make_law(range.law, {device, scene, model, state, particles, unit_}));
+    laws_.push_back(make_law(range.law, {device, scene, model, state, particles, unit_, share_row}));
   if (resists_inversion(scene, model)) inversion_ = std::make_unique<Inversion>(device, scene, model, state);
 }
 

@@ -25,7 +25,9 @@ struct SimulationState;
 class Elasticity {
 public:
   /// All must outlive it.
-  Elasticity(Device& device, const Scene& scene, const Model& model, SimulationState& state);
+  /// `share_row`: of `shape`, where bonds break; else 0.
+  Elasticity(Device& device, const Scene& scene, const Model& model, SimulationState& state,
+             std::uint32_t share_row);
   ~Elasticity();
   Elasticity(const Elasticity&) = delete;
   Elasticity& operator=(const Elasticity&) = delete;

@@ -20,9 +20,12 @@ struct Colour {
   const char* label;
   std::uint32_t option; ///< of the kernel frame_particles
 };
-constexpr std::array colours{
-    Colour{"body", "", 0}, Colour{"velocity", "speed (m/s)", 1}, Colour{"strain", "equivalent strain", 2},
-    Colour{"energy", "energy density (J/m3)", 3}, Colour{"displacement", "displacement (m)", 4}};
+constexpr std::array colours{Colour{"body", "", 0},
+                             Colour{"velocity", "speed (m/s)", 1},
+                             Colour{"strain", "equivalent strain", 2},
+                             Colour{"energy", "energy density (J/m3)", 3},
+                             Colour{"displacement", "displacement (m)", 4},
+                             Colour{"damage", "damage", 5}};
 
 std::uint32_t colour_option(const Scene& scene) {
   for (const Colour& colour : colours)
@@ -116,20 +119,22 @@ void FrameOutput::update() {
                                             .position = s.position,
                                             .gradient = gradient_});
   const Vector3& origin = simulation_.scene_origin_;
-  device.run(
-      kernels::frame_particles::Args{.threads = static_cast<std::uint32_t>(simulation_.plan_.particles),
-                                     .field = colour_,
-                                     .scene_x = origin.x(),
-                                     .scene_y = origin.y(),
-                                     .scene_z = origin.z(),
-                                     .owner = s.owner,
-                                     .origin = s.origin,
-                                     .position = s.position,
-                                     .velocity = s.velocity,
-                                     .gradient = gradient_,
-                                     .energy = s.energy,
-                                     .start = start_,
-                                     .particle = particle_});
+  device.run(kernels::frame_particles::Args{
+      .threads = static_cast<std::uint32_t>(simulation_.plan_.particles),
+      .field = colour_,
+      .share_at = simulation_.plan_.share_row * static_cast<std::uint32_t>(simulation_.plan_.particles),
+      .scene_x = origin.x(),
+      .scene_y = origin.y(),
+      .scene_z = origin.z(),
+      .owner = s.owner,
+      .origin = s.origin,
+      .position = s.position,
+      .velocity = s.velocity,
+      .gradient = gradient_,
+      .energy = s.energy,
+      .shape = s.shape,
+      .start = start_,
+      .particle = particle_});
   if (vertex_)
     device.run(kernels::skin::Args{.threads = static_cast<std::uint32_t>(vertex_.count()),
                                    .skin_particle = skin_particle_,
@@ -166,6 +171,10 @@ std::vector<float> FrameOutput::field(const std::string& name, unsigned& compone
     const std::vector<double> energy = device.download_real(simulation_.state_->energy);
     for (std::size_t i = 0; i < energy.size(); ++i)
       values.push_back(static_cast<float>(energy[i] / model.volume[i]));
+    return values;
+  }
+  if (name == "damage" && simulation_.plan_.failure) {
+    for (const double damage : simulation_.damage()) values.push_back(static_cast<float>(damage));
     return values;
   }
   throw Error(ExitCode::usage,

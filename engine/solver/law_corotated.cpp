@@ -15,13 +15,20 @@ using Tangent = kernels::corotated_tangent::Args;
 using Product = kernels::corotated_product::Args;
 
 /// In two dimensions rotations turn about z; of what is flat the derivative is held higher.
-State state_variant(const Model& model) { return {.plane = model.dimension == 2}; }
-Tangent tangent_variant(const Model& model) { return {.flat = model.dimension == 2 || model.has_sheets()}; }
+State state_variant(const Model& model, bool failing) {
+  return {.plane = model.dimension == 2, .failing = failing};
+}
+Tangent tangent_variant(const Model& model, bool failing) {
+  return {.flat = model.dimension == 2 || model.has_sheets(), .failing = failing};
+}
 
 class Corotated : public RecordLaw<State, Energy, Tangent> {
 public:
   explicit Corotated(const LawContext& context)
-      : RecordLaw(context, state_variant(context.model), tangent_variant(context.model)) {}
+      : RecordLaw(context, state_variant(context.model, context.share_row > 0),
+                  tangent_variant(context.model, context.share_row > 0)) {
+    state_.share_row = tangent_.share_row = context.share_row;
+  }
 
   void product(const LawRange& range, BufferStorage* direction) override {
     const SimulationState& s = context_.state;
@@ -47,8 +54,9 @@ std::unique_ptr<ElasticLaw> make_corotated(const LawContext& context) {
 }
 
 LawNeeds corotated_needs(const LawRequest& request) {
-  return record_needs<State, Energy, Tangent, Product>(request, 11, state_variant(request.model),
-                                                       tangent_variant(request.model));
+  return record_needs<State, Energy, Tangent, Product>(request, 11,
+                                                       state_variant(request.model, request.failing),
+                                                       tangent_variant(request.model, request.failing));
 }
 
 } // namespace pliant

@@ -104,7 +104,6 @@ protected:
                                                        .solver = s.solver});
   }
 
-private:
   StateArgs state_;
   TangentArgs tangent_;
 };

@@ -9,8 +9,8 @@
 
 namespace pliant {
 
-const std::vector<std::string>& persistent_buffers() {
-  static const std::vector<std::string> names = {
+std::vector<std::string> persistent_buffers(const Plan& plan) {
+  std::vector<std::string> names = {
       "position",         // with the mass
       "velocity",         // with the share of gravity that was felt
       "origin",           // of bodies: moved every so many steps
@@ -18,12 +18,17 @@ const std::vector<std::string>& persistent_buffers() {
       "earlier_velocity", // BDF2
       "earlier_shift",    // BDF2
   };
+  if (plan.failure) // who is bonded, how stiffly, how much of the weights is left, K_i, and the energy
+                    // released so far
+    for (const char* name :
+         {"slice_begin", "bond", "weight", "strength", "shape", "linear_start", "released"})
+      names.emplace_back(name);
   return names;
 }
 
 SavedState Simulation::save() {
   SavedState saved{step_, first_of_bdf2_, {}};
-  for (const std::string& name : persistent_buffers()) {
+  for (const std::string& name : persistent_buffers(plan_)) {
     if (!plan_.find(name)) continue;
     const Buffer& buffer = *state_->find(name);
     SavedBuffer copy{name, buffer->type(), std::vector<std::byte>(buffer->bytes())};
@@ -35,7 +40,7 @@ SavedState Simulation::save() {
 
 void Simulation::load(const SavedState& saved) {
   std::size_t fitting = 0, wanted = 0;
-  for (const std::string& name : persistent_buffers()) wanted += plan_.find(name) ? 1 : 0;
+  for (const std::string& name : persistent_buffers(plan_)) wanted += plan_.find(name) ? 1 : 0;
   for (const SavedBuffer& copy : saved.buffers) {
     Buffer* buffer = plan_.find(copy.name) ? state_->find(copy.name) : nullptr;
     if (!buffer || (*buffer)->type() != copy.type || (*buffer)->bytes() != copy.bytes.size())

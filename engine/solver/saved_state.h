@@ -15,9 +15,11 @@
 
 namespace pliant {
 
-/// Buffers whose content a later step reads. A plan has some of them. A component that carries something from
-/// step to step adds its buffer here, and it is saved, kept and restored.
-const std::vector<std::string>& persistent_buffers();
+struct Plan;
+
+/// Buffers whose content a later step reads; this plan may lack some of them. A component that carries
+/// something from step to step adds its buffer here, and it is saved, kept and restored.
+std::vector<std::string> persistent_buffers(const Plan& plan);
 /// Name of the buffer that holds the copy of another.
 inline std::string kept_name(const std::string& name) {
   return "kept_" + name;

@@ -4,6 +4,7 @@
 #include "engine/core/error.h"
 #include "engine/solver/contact.h"
 #include "engine/solver/elasticity.h"
+#include "engine/solver/failure.h"
 #include "engine/solver/frame.h"
 #include "engine/solver/global_step.h"
 #include "engine/solver/motion.h"
@@ -53,7 +54,7 @@ std::uint32_t anchor_of(const Model& model, const BodyModel& body) {
 
 Simulation::Simulation(Device& device, const Scene& scene, const Model& model, const PlanRequest& request)
     : device_(device), scene_(scene), model_(model), state_(std::make_unique<SimulationState>()),
-      elasticity_(std::make_unique<Elasticity>(device, scene, model, *state_)) {
+      elasticity_(std::make_unique<Elasticity>(device, scene, model, *state_, plan_.share_row)) {
   if (model.count() == 0) throw Error(ExitCode::usage, "the scene has no particles: give it a [[body]]");
   const SlicedBonds bonds = slice_bonds(model);
   plan_ = make_plan(scene, model, bonds, request);
@@ -68,6 +69,8 @@ Simulation::Simulation(Device& device, const Scene& scene, const Model& model, c
   upload(bonds);
   if (plan_.boundaries || plan_.pairs)
     contacts_ = std::make_unique<Contacts>(device_, scene, model, scene_origin_, contact_use(plan_.method));
+  if (plan_.failure)
+    failure_ = std::make_unique<Failure>(device_, scene, model, plan_, *state_, *elasticity_);
   global_step_ = make_global_step({device_, scene_, model_, plan_, *state_, *elasticity_, contacts_.get()});
   choose_step(time_step_);
   if (plan_.frames) frame_ = std::make_unique<FrameOutput>(*this);
@@ -80,7 +83,7 @@ void Simulation::allocate() {
   for (const BufferSpec& spec : plan_.buffers)
     if (Buffer* buffer = state_->find(spec.name))
       *buffer = device_.allocate(spec.name, spec.type, spec.count);
-  for (const std::string& name : persistent_buffers())
+  for (const std::string& name : persistent_buffers(plan_))
     if (const BufferSpec* spec = plan_.find(kept_name(name)))
       state_->kept[name] = device_.allocate(spec->name, spec->type, spec->count);
 }
@@ -198,6 +201,10 @@ std::vector<Vector3> Simulation::positions() {
   for (std::size_t i = 0; i < y.size(); ++i)
     world[i] = scene_origin_ + unpack(o[model_.body[i]]) + unpack(y[i]);
   return world;
+}
+
+std::vector<double> Simulation::damage() {
+  return failure_ ? failure_->damage() : std::vector<double>(model_.count(), 0.0);
 }
 
 std::uint32_t Simulation::contacts_dropped() {

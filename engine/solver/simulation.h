@@ -16,6 +16,7 @@ namespace pliant {
 
 class Contacts;
 class Elasticity;
+class Failure;
 class GlobalStep;
 class FrameOutput;
 struct SavedState;
@@ -40,6 +41,8 @@ struct StepStatistics {
   double largest_speed = 0;                      ///< m/s
   double largest_displacement = 0;               ///< m, in one step
   std::size_t not_finite = 0;                    ///< particles
+  std::size_t broken_bonds = 0;                  ///< so far
+  double fracture_energy = 0;                    ///< J, so far: what broken bonds held when they broke
 };
 
 /// Everything that a later step depends on, in double and world coordinates, in the model's order.
@@ -115,6 +118,8 @@ public:
   double elastic_energy(const std::vector<Vector3>& positions);
   /// Contacts of the last step that found no room in their lists: they did not act. Waits for the device.
   std::uint32_t contacts_dropped();
+  /// 1 less the share of its bonds' weights that is left to each particle; zero without failure.
+  std::vector<double> damage();
   /// FNV-1a of final positions and velocities as the device stores them, by id.
   std::string hash();
 
@@ -145,6 +150,7 @@ private:
   Chunks chunks_;
   std::unique_ptr<SimulationState> state_;
   std::unique_ptr<Elasticity> elasticity_;
+  std::unique_ptr<Failure> failure_;
   std::unique_ptr<Contacts> contacts_;
   std::unique_ptr<GlobalStep> global_step_;
   std::unique_ptr<FrameOutput> frame_;
@@ -161,7 +167,7 @@ private:
   bool kept_first_of_bdf2_ = true;
   struct Pending {
     std::uint64_t step = 0;
-    std::unique_ptr<Readback> readback;
+    std::unique_ptr<Readback> readback, fracture;
   };
   std::deque<Pending> pending_;
   std::deque<std::unique_ptr<Readback>> flags_;

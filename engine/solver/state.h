@@ -19,6 +19,8 @@ struct SimulationState {
   Buffer slice_begin, bond, weight, shape, record, rotation, extension;
   Buffer inversion_shape, inversion, inverted; // pushing inverted neighbourhoods back
   Buffer stretch_record, energies, strength;   // laws over basis functions; strength: of directions
+  // Failure.
+  Buffer toughness, energy_before, released, fracture;
   // Solver.
   Buffer solver, residual_partial;
   // Methods with a line search.

@@ -1,6 +1,7 @@
 // Rows of statistics, and forces and energies for tests and tools.
 #include "engine/core/error.h"
 #include "engine/solver/elasticity.h"
+#include "engine/solver/failure.h"
 #include "engine/solver/global_step.h"
 #include "engine/solver/simulation.h"
 #include "engine/solver/state.h"
@@ -36,7 +37,8 @@ void Simulation::write_statistics() {
                                               .solver = s.solver,
                                               .statistics = s.statistics});
   const std::size_t bytes = 16 * element_bytes(Type::real, device_.info().precision);
-  pending_.push_back({step_ + 1, device_.request(s.statistics, row * bytes, bytes)});
+  pending_.push_back({step_ + 1, device_.request(s.statistics, row * bytes, bytes), nullptr});
+  if (failure_) pending_.back().fracture = failure_->sums(row);
 }
 
 StepStatistics Simulation::row(std::span<const std::byte> bytes, std::uint64_t step) const {
@@ -71,6 +73,17 @@ StepStatistics Simulation::row(std::span<const std::byte> bytes, std::uint64_t s
 
 namespace {
 
+double real_at(std::span<const std::byte> bytes, std::size_t index, bool wide) {
+  double value = 0;
+  float narrow = 0;
+  if (wide) {
+    std::memcpy(&value, bytes.data() + 8 * index, 8);
+    return value;
+  }
+  std::memcpy(&narrow, bytes.data() + 4 * index, 4);
+  return static_cast<double>(narrow);
+}
+
 /// The row of a divided step from those of its parts.
 StepStatistics joined(const StepStatistics& earlier, const StepStatistics& later) {
   StepStatistics both = later;
@@ -95,7 +108,13 @@ std::vector<StepStatistics> Simulation::take_statistics(bool wait) {
   };
   while (!pending_.empty() &&
          (wait || (!rows.empty() && rows.back().step == pending_.front().step) || arrived())) {
-    const StepStatistics next = row(pending_.front().readback->wait(), pending_.front().step);
+    StepStatistics next = row(pending_.front().readback->wait(), pending_.front().step);
+    if (pending_.front().fracture) {
+      const bool wide = device_.info().precision == Precision::double_precision;
+      const std::span<const std::byte> sums = pending_.front().fracture->wait();
+      next.broken_bonds = static_cast<std::size_t>(std::lround(real_at(sums, 0, wide)));
+      next.fracture_energy = real_at(sums, 1, wide);
+    }
     pending_.pop_front();
     if (rows.empty() || rows.back().step != next.step)
       rows.push_back(next);

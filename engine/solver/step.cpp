@@ -3,6 +3,7 @@
 // there.
 #include "engine/solver/contact.h"
 #include "engine/solver/elasticity.h"
+#include "engine/solver/failure.h"
 #include "engine/solver/global_step.h"
 #include "engine/solver/simulation.h"
 #include "engine/solver/state.h"
@@ -18,6 +19,7 @@ namespace {
 
 constexpr unsigned run_ahead = 2;     ///< checks that a device may lag behind the host
 constexpr unsigned rebase_every = 32; ///< steps
+constexpr unsigned repack_every = 64; ///< steps; reads all bonds back
 /// Iterations at which contacts are searched anew; the set is frozen after the last, or nothing would
 /// converge.
 constexpr unsigned contact_search[] = {0, 8, 24};
@@ -62,9 +64,12 @@ bool Simulation::iterate(bool look) {
 
 void Simulation::end_solving() {
   restore_momentum();
+  if (failure_) failure_->break_bonds();
   advance();
+  if (failure_) failure_->release();
   write_statistics();
   if (++step_ % rebase_every == 0) rebase();
+  if (failure_ && step_ % repack_every == 0) failure_->repack();
 }
 
 void Simulation::begin_solve() {

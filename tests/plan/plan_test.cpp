@@ -225,7 +225,7 @@ TEST_P(PlanTruth, EverythingTogether) {
             (std::vector<std::string>{"line search", "diagonal preconditioner", "preconditioner", "direct",
                                       "newton", "quasi-newton", "l-bfgs", "corotated elasticity",
                                       "ordinary elasticity", "basis elasticity", "neo-hookean elasticity",
-                                      "inversion", "sheets", "plane"}));
+                                      "inversion", "sheets", "plane", "failure"}));
 }
 
 TEST(Plan, BytesOfALargeBall) {

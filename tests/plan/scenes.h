@@ -79,6 +79,11 @@ inline std::vector<Switch> switches() {
       {"boundaries", [](PlanScene& s) { s.scene.boundaries = {floor_below()}; }},
       {"contacts", [](PlanScene& s) { s.scene.contact.self = true; }},
       {"momentum", [](PlanScene& s) { s.scene.solver.restore_momentum = true; }},
+      {"failure",
+       [](PlanScene& s) { // the projective law's bonds do not break
+         Material& material = s.scene.materials[0];
+         if (material.law != "projective") material.critical_stretch = 10;
+       }},
       {"statistics", [](PlanScene& s) { s.request.statistics = true; }},
       {"divergence", [](PlanScene& s) { s.request.divergence = true; }},
       {"frames", [](PlanScene& s) { s.request.frames = true; }},

@@ -29,7 +29,9 @@ template <class real> void corotated_state(const kernels::corotated_state::View<
       const Wide4<real> q = k.plane ? plane_rotation(s, before) : polar_rotation(s, before, part.count);
       const WideMat3<real> r = rotation_matrix<real>(q);
       const Wide<real> theta = inner(r, s);
-      const Wide<real> scale = 1 - load_wide(k.shape + k.stride + i) * (theta - 1);
+      Wide<real> rest = Wide<real>{} + 1;
+      if (k.failing) rest = load_wide(k.shape + std::size_t{k.share_row} * k.stride + i);
+      const Wide<real> scale = 1 - load_wide(k.shape + k.stride + i) * (theta - rest);
       store(k.rotation + i, part.count, q);
       Real4<real>* const record = k.record + 3 * std::size_t{i};
       store<3>(record, part.count, Wide4<real>{scale * r.x.x, scale * r.x.y, scale * r.x.z, ui.x});

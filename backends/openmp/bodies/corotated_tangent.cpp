@@ -30,7 +30,9 @@ template <class real> void corotated_tangent(const kernels::corotated_tangent::V
       const Wide<real> theta = u.x.x + u.y.y + u.z.z, coupling = load_wide(k.shape + k.stride + i);
       Wide<real> xx = theta - u.x.x, yy = theta - u.y.y, zz = theta - u.z.z;
       const Wide<real> xy = (u.x.y + u.y.x) / -2, xz = (u.x.z + u.z.x) / -2, yz = (u.y.z + u.z.y) / -2;
-      const Wide<real> scale = 1 - coupling * (theta - 1), none{};
+      Wide<real> rest = Wide<real>{} + 1;
+      if (k.failing) rest = load_wide(k.shape + std::size_t{k.share_row} * k.stride + i);
+      const Wide<real> scale = 1 - coupling * (theta - rest), none{};
       const Wide<real> kept = k.flat ? scale : scale * 2 / 3;
       const Wide<real> fiftieth = none + real(0.02);
       Wide<real> lowest = fiftieth; // of an eigenvalue

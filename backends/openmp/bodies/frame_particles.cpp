@@ -24,6 +24,9 @@ template <class real> void frame_particles(const kernels::frame_particles::View<
     case 4:
       value = norm(world - xyz(k.start[i]));
       break;
+    case 5:
+      value = 1 - k.shape[k.share_at + i];
+      break;
     default:
       break;
     }
