@@ -3,6 +3,7 @@
 
 #include "engine/core/error.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 

@@ -22,7 +22,7 @@ public:
   /// Held particles are those whose inertia is negative, as a simulation marks them.
   SolveRig(Device& device, const Scene& scene, const Model& model)
       : plan(make_plan(scene, model, slice_bonds(model), {})), device_(device), scene_(scene), model_(model),
-        elasticity_(device, scene, model, state_), held_(model.count(), false) {
+        elasticity_(device, scene, model, state_, plan.share_row), held_(model.count(), false) {
     for (const BufferSpec& spec : plan.buffers)
       if (Buffer* buffer = state_.find(spec.name))
         *buffer = device.allocate(spec.name, spec.type, spec.count);
