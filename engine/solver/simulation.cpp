@@ -53,11 +53,11 @@ std::uint32_t anchor_of(const Model& model, const BodyModel& body) {
 } // namespace
 
 Simulation::Simulation(Device& device, const Scene& scene, const Model& model, const PlanRequest& request)
-    : device_(device), scene_(scene), model_(model), state_(std::make_unique<SimulationState>()),
-      elasticity_(std::make_unique<Elasticity>(device, scene, model, *state_, plan_.share_row)) {
+    : device_(device), scene_(scene), model_(model), state_(std::make_unique<SimulationState>()) {
   if (model.count() == 0) throw Error(ExitCode::usage, "the scene has no particles: give it a [[body]]");
   const SlicedBonds bonds = slice_bonds(model);
   plan_ = make_plan(scene, model, bonds, request);
+  elasticity_ = std::make_unique<Elasticity>(device, scene, model, *state_, plan_.share_row);
   chunks_ = make_chunks(model);
   time_step_ = whole_step(scene);
   for (const BodyModel& body : model.bodies)

@@ -1,8 +1,6 @@
 // bond_break: a bond longer than either end bears becomes padding at both ends; who loses one gets the share
 // of its weights, its count and its diagonal anew, who loses none keeps his bits.
 #include "kernels/bond_break.h"
-#include "kernels/bond_release.h"
-#include "kernels/fracture_sum.h"
 #include "tests/support/kernel_bonds.h"
 #include "tests/support/kernel_particles.h"
 
@@ -88,51 +86,6 @@ TEST_P(BondBreak, OnceIsEnough) {
   const Values twice = run_kernel<kernels::bond_break::Args>(device, problem.p.count, in);
   for (const auto& [name, values] : once)
     compare_values(name, twice.at(name), values, std::vector<double>(values.size(), 0.0), 0, 0);
-}
-
-PLIANT_ON_EVERY_DEVICE(BondRelease);
-
-TEST_P(BondRelease, Formula) {
-  for (const std::size_t size : awkward_sizes) {
-    Random random(kernel_seed + 93);
-    Values in;
-    for (const char* name : {"before", "energy", "released"})
-      for (std::size_t i = 0; i < size + 3; ++i) in[name].push_back(random(5));
-    Expected released(in["released"]);
-    for (std::size_t i = 0; i < size; ++i) {
-      const double b = in["before"][i], e = in["energy"][i], r = in["released"][i];
-      released.set(i, r + (b - e), std::abs(r) + std::abs(b) + std::abs(e));
-    }
-    expect_kernel<kernels::bond_release::Args>(GetParam(), static_cast<std::uint32_t>(size), in,
-                                               {{"released", released}}, 2);
-  }
-}
-
-PLIANT_ON_EVERY_DEVICE(FractureSum);
-
-TEST_P(FractureSum, Formula) {
-  for (const std::size_t size : awkward_sizes) {
-    Random random(kernel_seed + 94);
-    Values in;
-    in["particle_count"] = {double(size)};
-    in["broken_at"] = {7};
-    in["row"] = {1};
-    in["shape"] = std::vector<double>(7 + size + 2, not_a_number);
-    double broken = 0, energy = 0;
-    for (std::size_t i = 0; i < size; ++i) {
-      in["shape"][7 + i] = double(2 * (i % 4));
-      in["released"].push_back(std::abs(random(3)));
-      broken += in["shape"][7 + i] / 2;
-      energy += in["released"][i];
-    }
-    in["fracture"] = std::vector<double>(6, sentinel);
-    Expected row(in["fracture"]);
-    row.set(2, broken);
-    row.set(3, energy, energy);
-    // A chain of 8 sums and a tree of 7 on a GPU.
-    expect_kernel<kernels::fracture_sum::Args>(GetParam(), kernels::fracture_sum::group_size, in,
-                                               {{"fracture", row}}, 16);
-  }
 }
 
 } // namespace

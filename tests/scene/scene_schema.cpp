@@ -99,7 +99,8 @@ std::string scene_around(const Table& table, const std::string& inner) {
     body = "{material = \"rubber\", shape = {box = [1, 1, 1], rotate = " + inner + "}}";
   else if (name == "rotation")
     in_body("moved = [{region = {box = [1, 1, 1]}, rotation = " + inner + "}]");
-  else if (name == "fixed" || name == "moved" || name == "loaded" || name == "region" || name == "deformed")
+  else if (name == "fixed" || name == "moved" || name == "loaded" || name == "region" || name == "deformed" ||
+           name == "cut")
     in_body(std::string(name) + " = [" + inner + "]");
   else if (name == "boundary")
     extra = "boundary = [" + inner + "]\n";
