@@ -394,8 +394,8 @@ private:
            Material stiff = setup.scene.materials.front();
            stiff.young *= 1e6;
            setup.scene.materials.push_back(stiff);
-           setup.model.constants.push_back(
-               law_constants(law_from_name(stiff.law), stiff.young, stiff.poisson, stiff.split));
+           setup.model.constants.push_back(law_constants(stiff));
+           setup.model.stretch.push_back(stretch_energy(stiff));
            for (std::size_t i = 0; i < setup.model.count(); ++i)
              if (setup.position[i][axis] < c[axis]) setup.model.material[i] = 1;
            pull(setup);

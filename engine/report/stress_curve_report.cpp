@@ -81,7 +81,9 @@ Plot plot_of(const StressCurveReport& report, const MaterialCurves& material) {
   constexpr Colour colours[] = {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}};
   Plot plot;
   plot.title =
-      fmt::format("{} ({}, Poisson's ratio {:g})", material.material, material.law, material.poisson);
+      material.material == material.law
+          ? fmt::format("{} (Poisson's ratio {:g})", material.law, material.poisson)
+          : fmt::format("{} ({}, Poisson's ratio {:g})", material.material, material.law, material.poisson);
   plot.x_label = "stretch s";
   plot.y_label = "stress / Young's modulus";
   double low = 0, high = 0;
