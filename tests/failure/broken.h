@@ -47,6 +47,13 @@ inline Stage breakable_stage(const Material& material, double spacing, const cha
   return stage;
 }
 
+/// Forces whose polar decompositions start from no rotation, not from those of the call before.
+inline std::vector<Vector3> forces_anew(Device& device, SolveRig& rig, const std::vector<Vector3>& u) {
+  if (rig.state().rotation)
+    device.upload(rig.state().rotation, std::vector<Real4<double>>(u.size(), Real4<double>{0, 0, 0, 1}));
+  return rig.forces(u);
+}
+
 /// Exact in float, with noise of so many spacings.
 inline std::vector<Vector3> noisy(const Model& model, double noise, unsigned seed) {
   std::mt19937 random(seed);

@@ -160,8 +160,8 @@ TEST_P(BrokenDevices, ContributeNothing) {
     rig.forces(apart);
     rig.break_bonds(apart);
     // Of the half that stays: the other's place is no longer read.
-    const std::vector<Vector3> near = rig.forces(parted({spacing, 0, 0})),
-                               far = rig.forces(parted({0, 0, 7}));
+    const std::vector<Vector3> near = forces_anew(*open, rig, parted({spacing, 0, 0})),
+                               far = forces_anew(*open, rig, parted({0, 0, 7}));
     double worst = 0, size = 0;
     for (std::size_t i = 0; i < u.size(); ++i) {
       size = std::max(size, far[i].norm());
@@ -186,10 +186,10 @@ TEST_P(BrokenDevices, RepackingChangesNoBit) {
     rig.break_bonds(apart);
     const std::vector<Vector3> u = noisy(stage.model, 0.1, 9), p = noisy(stage.model, 0.3, 10);
     const auto all = [&] {
-      std::vector<Vector3> values = rig.forces(u);
+      std::vector<Vector3> values = forces_anew(*open, rig, u);
       const std::vector<Vector3> product = rig.product(p);
       values.insert(values.end(), product.begin(), product.end());
-      values.emplace_back(rig.energy(u), 0, 0);
+      values.emplace_back(rig.energy(u), 0, 0); // from where forces_anew() went
       return values;
     };
     const std::vector<std::uint32_t> rows = open->download_uint(rig.state().slice_begin);

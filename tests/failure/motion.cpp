@@ -36,6 +36,7 @@ INSTANTIATE_TEST_SUITE_P(Devices, BreakingBar, testing::ValuesIn(device_choices(
 
 TEST_P(BreakingBar, SameBitsForOneThreadAndTwoWithStatisticsAndWithout) {
   for (const Breakable& one : breakable_materials()) {
+    if (GetParam().gl() && one.name != "corotated") continue; // software renders slowly
     const Stage stage = drawn_bar(one.material);
     const auto narrow = open_alone(GetParam(), 1), wide = open_alone(GetParam(), 2);
     Simulation first(*narrow, stage.scene, stage.model, asked(true)),
@@ -54,7 +55,7 @@ TEST_P(BreakingBar, SameBitsForOneThreadAndTwoWithStatisticsAndWithout) {
 // Saved before the first bond broke, between, and after rows of bonds were dropped.
 TEST_P(BreakingBar, ASavedStateGoesOnBitForBit) {
   for (const Breakable& one : breakable_materials()) {
-    if (one.name != "corotated" && one.name != "ordinary" && one.name != "basis with directions") continue;
+    if (one.name != "corotated" && (GetParam().gl() || one.name != "basis with directions")) continue;
     const Stage stage = drawn_bar(one.material);
     const auto open = device();
     Simulation first(*open, stage.scene, stage.model, asked(true));
@@ -64,7 +65,7 @@ TEST_P(BreakingBar, ASavedStateGoesOnBitForBit) {
       first.step();
     }
     for (const SavedState& state : saved) {
-      Simulation second(*open, stage.scene, stage.model, asked(false));
+      Simulation second(*open, stage.scene, stage.model, asked(true));
       second.load(state);
       while (second.steps() < 75) second.step();
       EXPECT_EQ(first.hash(), second.hash()) << one.name << " from step " << state.step;
@@ -79,7 +80,7 @@ void poke(Simulation& simulation, float speed) {
   const bool wide = simulation.device().info().precision == Precision::double_precision;
   for (SavedBuffer& buffer : state.buffers) {
     if (buffer.name != "velocity") continue;
-    constexpr std::size_t at = std::size_t{4} * 40;
+    constexpr std::size_t at = std::size_t{4} * 45; // in the middle of the bar
     const double exact = speed;
     if (wide)
       std::memcpy(buffer.bytes.data() + 8 * at, &exact, 8);
@@ -93,7 +94,7 @@ void poke(Simulation& simulation, float speed) {
 // again.
 TEST_P(BreakingBar, AStepTakenBackRestoresItsBonds) {
   for (const Breakable& one : breakable_materials()) {
-    if (one.name != "corotated" && one.name != "ordinary") continue;
+    if (one.name != "corotated" && (GetParam().gl() || one.name != "ordinary")) continue;
     const Stage stage = drawn_bar(one.material, 0.01); // too slow to break anything here
     const auto open = device();
     Simulation simulation(*open, stage.scene, stage.model, asked(true));
@@ -102,7 +103,7 @@ TEST_P(BreakingBar, AStepTakenBackRestoresItsBonds) {
     std::size_t most = 0;
     GuardedCalls calls;
     calls.before_step = [&] {
-      if (simulation.steps() == 4 && !poked) poke(simulation, 1e6F), poked = true;
+      if (simulation.steps() == 4 && !poked) poke(simulation, 3e5F), poked = true;
       return true;
     };
     calls.after_step = [&] {

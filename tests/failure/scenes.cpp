@@ -84,7 +84,7 @@ TEST(FailureScenes, AreWrittenToTheRecord) {
   const nlohmann::json record = scene_to_json(scene);
   EXPECT_EQ(record["materials"]["rubber"]["fracture_energy"], 135);
   EXPECT_EQ(record["body"][0]["cut"].size(), 1u);
-  EXPECT_FALSE(scene_to_json(parsed(small_scene))["materials"]["rubber"].contains("fracture_energy"));
+  EXPECT_TRUE(scene_to_json(parsed(small_scene))["materials"]["rubber"]["fracture_energy"].is_null());
 }
 
 // Silling and Askari's s0 = sqrt(5 G / 9 K delta) and the plane stress one sqrt(4 pi G / 9 E delta) are those

@@ -19,12 +19,16 @@
 namespace pliant::test {
 namespace {
 
-/// A bar or a ribbon, 0.4 m long, drawn apart by its ends; it parts within a third of a second.
+/// A bar or a ribbon, 0.4 m long and weak in its middle, drawn apart by its ends; it parts within a fifth of
+/// a second.
 std::string drawn(bool solid, const std::string& rest = "") {
   std::string text = fmt::format("name = \"drawn\"\n[simulation]\nspacing = 0.02\ngravity = [0, 0, 0]\n"
-                                 "time_step = \"1/240\"\nend = 0.4\n[solver]\ntolerance = 1e-3\n"
-                                 "[materials.bread]\nyoung = 1e5\npoisson = 0.25\ncritical_stretch = 0.2\n"
-                                 "[[body]]\nname = \"loaf\"\nmaterial = \"bread\"\nshape = {{ {} }}\n{}\n",
+                                 "time_step = \"1/60\"\nend = 0.4\n[solver]\niterations = 60\n"
+                                 "[materials.bread]\nyoung = 1e5\npoisson = 0.25\ncritical_stretch = 1\n"
+                                 "[materials.crumb]\nyoung = 1e5\npoisson = 0.25\ncritical_stretch = 0.1\n"
+                                 "[[body]]\nname = \"loaf\"\nmaterial = \"bread\"\nshape = {{ {} }}\n{}\n"
+                                 "[[body.region]]\nregion = {{ box = [0.02, 1, 1], at = [0.01, 0, 0] }}\n"
+                                 "material = \"crumb\"\n",
                                  solid ? "box = [0.4, 0.08, 0.08]" : "sheet = [0.4, 0.08]",
                                  solid ? "" : "thickness = 0.001");
   for (const int side : {-1, 1})
@@ -63,6 +67,7 @@ INSTANTIATE_TEST_SUITE_P(Devices, TornSurfaces, testing::ValuesIn(device_choices
 
 TEST_P(TornSurfaces, ABodyInTwoHasTwoPiecesOfSurface) {
   for (const bool solid : {true, false}) {
+    if (!solid && GetParam().gl()) continue; // software renders slowly
     const Scene scene = parse_scene(drawn(solid), "drawn.toml");
     const Model model = assemble(scene);
     const Mesh& mesh = *model.bodies[0].surface;
@@ -76,7 +81,7 @@ TEST_P(TornSurfaces, ABodyInTwoHasTwoPiecesOfSurface) {
     std::vector<std::uint32_t> torn = open->download_uint(frame.torn());
     EXPECT_EQ(std::count(torn.begin(), torn.end(), 0u), static_cast<long>(mesh.triangles.size()))
         << "at rest";
-    for (int k = 0; k < 96; ++k) simulation.step();
+    for (int k = 0; k < 24; ++k) simulation.step();
     frame.update();
     torn = open->download_uint(frame.torn());
     const std::vector<Real4<double>> vertex = open->download_real4(frame.vertex());
@@ -109,7 +114,7 @@ TEST_P(TornSurfaces, AreNotDrawnAcrossTheGap) {
   PlanRequest request;
   request.frames = true;
   Simulation simulation(*open, scene, model, request);
-  for (int k = 0; k < 96; ++k) simulation.step();
+  for (int k = 0; k < 24; ++k) simulation.step();
   FrameOutput& frame = *simulation.frame();
   frame.update();
   std::unique_ptr<Renderer> renderer;
@@ -165,8 +170,7 @@ TEST(TornFiles, AreWholeAndGoOnAfterAResume) {
     };
     const std::string whole = solid ? "bar" : "ribbon", parts = whole + "-parts";
     run(whole, {});
-    run(parts, {"--frames", "5"});
-    run(parts, {"--resume", "--frames", "10"});
+    run(parts, {"--frames", solid ? "5" : "7"});
     run(parts, {"--resume"});
     EXPECT_EQ(record_of(folder / whole)["hash"], record_of(folder / parts)["hash"]);
     const std::vector<StatisticsRow> rows = read_statistics(folder / whole / "statistics.csv"),
@@ -179,7 +183,7 @@ TEST(TornFiles, AreWholeAndGoOnAfterAResume) {
       EXPECT_GE((*rows[k].fracture)[0], last[0]) << "bonds do not heal";
       last = *rows[k].fracture;
     }
-    EXPECT_GT(last[0], 20);
+    EXPECT_GT(last[0], 10);
     EXPECT_GT(last[1], 0);
     for (const std::string& out : {whole, parts}) {
       const std::string command = fmt::format("/usr/bin/python3 {}/tests/readers/check_run.py '{}' 13",
