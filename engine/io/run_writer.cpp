@@ -81,7 +81,8 @@ void check_frame(const std::vector<BodyOutput>& bodies, const std::vector<BodyFr
     const std::size_t points = frames[b].positions.size() / 3;
     bool fits = frames[b].positions.size() == 3 * points &&
                 frames[b].fields.size() == bodies[b].fields.size() &&
-                (bodies[b].kind == BodyOutput::Kind::particles || points == bodies[b].points);
+                (bodies[b].kind == BodyOutput::Kind::particles || points == bodies[b].points) &&
+                frames[b].torn.size() == (bodies[b].tears ? bodies[b].triangles.size() : 0);
     for (std::size_t f = 0; fits && f < bodies[b].fields.size(); ++f)
       fits = frames[b].fields[f].size() == points * bodies[b].fields[f].components;
     if (!fits)
@@ -188,10 +189,17 @@ struct RunWriter::Impl {
 
   void append_xdmf(const std::string& folder, double time, const std::vector<std::uint64_t>& points) {
     xdmf.begin_frame(time);
-    for (std::size_t b = 0; b < blocks.size(); ++b)
-      if (points[b] > 0)
-        xdmf.add_body(bodies[b], folder + "/" + bodies[b].name, points[b],
-                      blocks[b].group().place().object + "/Polygons/Connectivity");
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      const std::string place = folder + "/" + bodies[b].name;
+      std::string corners = blocks[b].group().place().object + "/Polygons/Connectivity";
+      std::uint64_t triangles = bodies[b].triangles.size();
+      if (bodies[b].tears) {
+        corners = place + "/corners";
+        triangles = root.has(corners) ? root.dataset(corners).rows() / 3 : 0;
+        if (triangles == 0) continue;
+      }
+      if (points[b] > 0) xdmf.add_body(bodies[b], place, points[b], corners, triangles);
+    }
     xdmf.end_frame();
   }
 };

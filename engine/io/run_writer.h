@@ -30,7 +30,8 @@ struct FieldSpec {
   unsigned components = 1;
 };
 
-/// A block of the file: a cloud whose number of points may vary, or a surface of fixed triangles.
+/// A block of the file: a cloud whose number of points may vary, or a surface of fixed triangles, or of one
+/// that tears: of those that are left.
 struct BodyOutput {
   enum class Kind { particles, surface };
   std::string name; ///< a letter or _, then letters, digits, - and _; a surface: "<body>_surface"
@@ -39,12 +40,14 @@ struct BodyOutput {
       0; ///< surface: number of vertices; particles: the number expected, for the size of chunks
   std::vector<std::array<std::uint32_t, 3>> triangles; ///< surface only
   std::vector<FieldSpec> fields;
+  bool tears = false; ///< surface only: frames say which triangles are gone
 };
 
 /// A block's values of one frame.
 struct BodyFrame {
   std::span<const float> positions;           ///< m; x, y, z by point
   std::vector<std::span<const float>> fields; ///< in the order of BodyOutput::fields
+  std::span<const std::uint32_t> torn = {};   ///< of one that tears: a mark a triangle; not 0: gone
 };
 
 class RunWriter {

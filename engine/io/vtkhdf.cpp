@@ -60,23 +60,32 @@ VtkHdfBlock::VtkHdfBlock(h5::Group group, const BodyOutput& body, std::int64_t m
   for (const char* name : {"Vertices", "Lines", "Polygons", "Strips"}) cells_.push_back(create_cells(name));
   if (cloud_) return;
 
-  // Fixed triangles: one part for ever, its topology written once.
-  point_counts_.append(static_cast<std::int64_t>(body.points));
+  // Triangles: one part, its topology written once, and again whenever some have torn.
+  count_ = body.points;
+  triangles_ = body.triangles;
+  torn_.assign(triangles_.size(), 0);
+  append_triangles();
+  if (!body.tears) triangles_ = {}, torn_ = {};
+}
+
+// A part with the triangles that are left.
+void VtkHdfBlock::append_triangles() {
+  if (topology_ >= 0) cells_before_ = static_cast<std::int64_t>(cells_[2].connectivity.rows() / 3);
+  ++topology_;
+  std::vector<std::int64_t> corners;
+  corners.reserve(3 * triangles_.size());
+  for (std::size_t t = 0; t < triangles_.size(); ++t)
+    if (torn_[t] == 0) corners.insert(corners.end(), triangles_[t].begin(), triangles_[t].end());
+  point_counts_.append(static_cast<std::int64_t>(count_));
   for (std::size_t kind = 0; kind < cells_.size(); ++kind) {
-    const bool triangles = kind == 2;
-    const auto count = triangles ? static_cast<std::int64_t>(body.triangles.size()) : std::int64_t(0);
+    const auto count = static_cast<std::int64_t>(kind == 2 ? corners.size() / 3 : 0);
     cells_[kind].counts.append(count);
     cells_[kind].id_counts.append(3 * count);
     std::vector<std::int64_t> starts(static_cast<std::size_t>(count) + 1);
     for (std::size_t i = 0; i < starts.size(); ++i) starts[i] = static_cast<std::int64_t>(3 * i);
     cells_[kind].offsets.append(std::span<const std::int64_t>(starts));
-    if (!triangles) continue;
-    std::vector<std::int64_t> corners;
-    corners.reserve(3 * body.triangles.size());
-    for (const auto& triangle : body.triangles)
-      corners.insert(corners.end(), triangle.begin(), triangle.end());
-    cells_[kind].connectivity.append(std::span<const std::int64_t>(corners));
   }
+  if (!corners.empty()) cells_[2].connectivity.append(std::span<const std::int64_t>(corners));
 }
 
 VtkHdfBlock::Cells VtkHdfBlock::open_cells(const std::string& name) const {
@@ -98,8 +107,22 @@ VtkHdfBlock::VtkHdfBlock(h5::Group group, const BodyOutput& body)
     field_offsets_.push_back(steps_.dataset("PointDataOffsets/" + field.name));
   }
   for (const char* name : {"Vertices", "Lines", "Polygons", "Strips"}) cells_.push_back(open_cells(name));
-  if (cloud_)
+  if (cloud_) {
     for (const std::int64_t cells : cells_[0].counts.read<std::int64_t>()) cells_before_ += cells;
+    return;
+  }
+  const std::vector<std::int64_t> counts = cells_[2].counts.read<std::int64_t>();
+  topology_ = static_cast<std::int64_t>(counts.size()) - 1;
+  for (std::size_t k = 0; k + 1 < counts.size(); ++k) cells_before_ += counts[k];
+  if (!body.tears) return;
+  triangles_ = body.triangles;
+  torn_.assign(triangles_.size(), 1); // what the last topology has, in its order, is not
+  const std::vector<std::int64_t> corners = cells_[2].connectivity.read<std::int64_t>();
+  auto at = static_cast<std::size_t>(3 * cells_before_);
+  for (std::size_t t = 0; t < triangles_.size() && at < corners.size(); ++t)
+    if (std::equal(triangles_[t].begin(), triangles_[t].end(),
+                   corners.begin() + static_cast<std::ptrdiff_t>(at)))
+      torn_[t] = 0, at += 3;
 }
 
 std::vector<std::array<std::uint64_t, 2>> VtkHdfBlock::chunks(bool all) const {
@@ -119,6 +142,10 @@ void VtkHdfBlock::append_data(const BodyFrame& frame) {
   points_.append(frame.positions);
   for (std::size_t i = 0; i < fields_.size(); ++i) fields_[i].append(frame.fields[i]);
   if (cloud_) append_topology();
+  if (!triangles_.empty() && !std::equal(torn_.begin(), torn_.end(), frame.torn.begin(), frame.torn.end())) {
+    torn_.assign(frame.torn.begin(), frame.torn.end());
+    append_triangles();
+  }
 }
 
 // A cloud's step is a part of its own: one poly-vertex cell, or none where the step is empty. Its ids always
@@ -143,12 +170,14 @@ void VtkHdfBlock::append_topology() {
 
 void VtkHdfBlock::append_step(double time) {
   const auto start = static_cast<std::int64_t>(first_);
-  part_offsets_.append(cloud_ ? static_cast<std::int64_t>(steps_written_) : std::int64_t(0));
+  part_offsets_.append(cloud_ ? static_cast<std::int64_t>(steps_written_) : topology_);
   part_counts_.append(std::int64_t(1));
   point_offsets_.append(start);
-  const std::array<std::int64_t, 4> cells = {cells_before_, 0, 0, 0}, none = {0, 0, 0, 0};
+  const std::int64_t polygons = cloud_ ? 0 : cells_before_;
+  const std::array<std::int64_t, 4> cells = {cells_before_ - polygons, 0, polygons, 0},
+                                    ids = {0, 0, 3 * polygons, 0};
   cell_offsets_.append(std::span<const std::int64_t>(cells));
-  id_offsets_.append(std::span<const std::int64_t>(none));
+  id_offsets_.append(std::span<const std::int64_t>(ids));
   for (h5::Dataset& offsets : field_offsets_) offsets.append(start);
   values_.append(time);
   if (cloud_ && count_ > 0) ++cells_before_;
@@ -160,6 +189,11 @@ void VtkHdfBlock::append_views(h5::Group& root, const std::string& folder) const
   root.create_view(folder + "/position", h5::Type::float32, points_, first_, count_);
   for (std::size_t i = 0; i < fields_.size(); ++i)
     root.create_view(folder + "/" + specs_[i].name, h5::Type::float32, fields_[i], first_, count_);
+  if (triangles_.empty()) return;
+  const h5::Dataset& corners = cells_[2].connectivity;
+  const auto start = static_cast<std::uint64_t>(3 * cells_before_);
+  if (corners.rows() > start)
+    root.create_view(folder + "/corners", h5::Type::int64, corners, start, corners.rows() - start);
 }
 
 std::uint64_t VtkHdfBlock::growth(std::uint64_t points) const {
@@ -167,7 +201,7 @@ std::uint64_t VtkHdfBlock::growth(std::uint64_t points) const {
   for (const FieldSpec& field : specs_) values += field.components;
   // Whole chunks; ids of two kinds; and, with room to spare, a few kilobytes a dataset of bookkeeping.
   return (points + chunk_rows_) * values * sizeof(float) + (points + 4096) * 12 +
-         (fields_.size() + 30) * 4096;
+         (fields_.size() + 30) * 4096 + triangles_.size() * 32;
 }
 
 } // namespace pliant

@@ -20,7 +20,8 @@ public:
   void append_data(const BodyFrame& frame);
   /// Appends the row of steps for the data appended last, at `time` seconds.
   void append_step(double time);
-  /// Makes views of the rows appended last: `folder`/position, `folder`/<field>. Nothing for an empty frame.
+  /// Makes views of the rows appended last: `folder`/position, `folder`/<field>; of a surface that tears
+  /// `folder`/corners, while it has triangles. Nothing for an empty frame.
   void append_views(h5::Group& root, const std::string& folder) const;
 
   h5::Group& group() { return group_; }
@@ -38,6 +39,7 @@ private:
   Cells create_cells(const std::string& name);
   Cells open_cells(const std::string& name) const;
   void append_topology();
+  void append_triangles();
 
   h5::Group group_;
   std::vector<FieldSpec> specs_;
@@ -50,7 +52,10 @@ private:
   h5::Dataset values_, part_offsets_, part_counts_, point_offsets_, cell_offsets_, id_offsets_;
   std::vector<h5::Dataset> field_offsets_;
   std::uint64_t first_ = 0, count_ = 0, steps_written_ = 0;
-  std::int64_t cells_before_ = 0; ///< poly-vertex cells of earlier steps
+  std::int64_t cells_before_ = 0; ///< poly-vertex cells of earlier steps; triangles of earlier topologies
+  std::vector<std::array<std::uint32_t, 3>> triangles_; ///< of a surface that tears, whole
+  std::vector<std::uint32_t> torn_;                     ///< its marks in the last topology
+  std::int64_t topology_ = -1;                          ///< of a surface: the last one written
 };
 
 } // namespace pliant

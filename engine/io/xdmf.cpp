@@ -25,7 +25,7 @@ void XdmfWriter::begin_frame(double time) {
 }
 
 void XdmfWriter::add_body(const BodyOutput& body, const std::string& folder, std::uint64_t points,
-                          const std::string& corners) {
+                          const std::string& corners, std::uint64_t triangles) {
   text_ += fmt::format("<Grid Name=\"{}\">", body.name);
   // Without explicit ids ParaView's default reader makes no cells of a Polyvertex, and draws nothing.
   if (body.kind == BodyOutput::Kind::particles)
@@ -34,8 +34,7 @@ void XdmfWriter::add_body(const BodyOutput& body, const std::string& folder, std
         points, item(folder + "/id", "Int", 4, fmt::format("{} 1", points)));
   else
     text_ += fmt::format("<Topology TopologyType=\"Triangle\" NumberOfElements=\"{}\">{}</Topology>",
-                         body.triangles.size(),
-                         item(corners, "Int", 8, fmt::format("{} 3", body.triangles.size())));
+                         triangles, item(corners, "Int", 8, fmt::format("{} 3", triangles)));
   text_ += fmt::format("<Geometry GeometryType=\"XYZ\">{}</Geometry>",
                        item(folder + "/position", "Float", 4, fmt::format("{} 3", points)));
   for (const FieldSpec& field : body.fields) {

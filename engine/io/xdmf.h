@@ -14,9 +14,9 @@ public:
   XdmfWriter(std::filesystem::path path, std::string data_file);
   void begin_frame(double time);
   /// A body's grid, whose views lie in `folder`. A cloud refers to `folder`/id, a surface to the dataset
-  /// `corners`. Leave out a body that has no points.
+  /// `corners` of so many triangles. Leave out a body that has no points, or none of its triangles.
   void add_body(const BodyOutput& body, const std::string& folder, std::uint64_t points,
-                const std::string& corners);
+                const std::string& corners, std::uint64_t triangles);
   void end_frame();
   /// Replaces the file by one with all frames, in one rename. While the text is short it does so at every
   /// call; above 4 MiB only when it has grown by 1/64, or when `now` is set, so that the bytes written stay

@@ -51,6 +51,36 @@ private:
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;
 };
 
+/// At rest, m.
+double longest_bond(const Model& model, const BodyModel& body) {
+  double longest = 0;
+  for (std::uint32_t i = body.first; i < body.first + body.count; ++i)
+    for (std::uint32_t k = model.bonds.begin[i]; k < model.bonds.begin[i + 1]; ++k)
+      longest = std::max(longest, (model.reference[model.bonds.neighbour[k]] - model.reference[i]).norm());
+  return longest;
+}
+
+/// In how many pieces particles hang together that are linked where they are no further apart than `reach`.
+std::uint32_t count_pieces(const Model& model, const std::vector<std::uint32_t>& particles, double reach) {
+  std::vector<std::uint32_t> left(particles), piece;
+  std::uint32_t pieces = 0;
+  for (; !left.empty(); ++pieces) {
+    piece.assign(1, left.back());
+    left.pop_back();
+    for (std::size_t k = 0; k < piece.size(); ++k)
+      for (std::size_t i = 0; i < left.size();) {
+        if ((model.reference[left[i]] - model.reference[piece[k]]).norm() <= reach * (1 + 1e-9)) {
+          piece.push_back(left[i]);
+          left[i] = left.back();
+          left.pop_back();
+        } else {
+          ++i;
+        }
+      }
+  }
+  return pieces;
+}
+
 } // namespace
 
 Skin make_skin(const Model& model) {
@@ -80,6 +110,30 @@ Skin make_skin(const Model& model) {
   }
   skin.first.push_back(static_cast<std::uint32_t>(skin.particle.size()));
   return skin;
+}
+
+SkinTriangles make_skin_triangles(const Model& model, const Skin& skin) {
+  SkinTriangles made;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const BodyModel& body = model.bodies[b];
+    made.first.push_back(static_cast<std::uint32_t>(made.triangle.size()));
+    if (!body.surface || body.count == 0) continue;
+    const double reach = longest_bond(model, body);
+    for (const std::array<std::uint32_t, 3>& corner : body.surface->triangles) {
+      const std::uint32_t v[] = {skin.first[b] + corner[0], skin.first[b] + corner[1],
+                                 skin.first[b] + corner[2]};
+      std::vector<std::uint32_t> particles;
+      for (const std::uint32_t vertex : v) {
+        const Uint4& nearest = skin.particle[vertex];
+        particles.insert(particles.end(), {nearest.x, nearest.y, nearest.z, nearest.w});
+      }
+      std::sort(particles.begin(), particles.end());
+      particles.erase(std::unique(particles.begin(), particles.end()), particles.end());
+      made.triangle.push_back({v[0], v[1], v[2], count_pieces(model, particles, reach)});
+    }
+  }
+  made.first.push_back(static_cast<std::uint32_t>(made.triangle.size()));
+  return made;
 }
 
 } // namespace pliant

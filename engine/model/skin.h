@@ -16,4 +16,14 @@ struct Skin {
 
 Skin make_skin(const Model& model);
 
+/// Triangles of all bodies' meshes, body after body: three vertices of the skin, and in how many pieces the
+/// particles that they follow hang together at rest, by distances that bonds of the body reach. Cuts do not
+/// count: what is cut tears from the start.
+struct SkinTriangles {
+  std::vector<Uint4> triangle;
+  std::vector<std::uint32_t> first; ///< first triangle of each body, and the total
+};
+
+SkinTriangles make_skin_triangles(const Model& model, const Skin& skin);
+
 } // namespace pliant

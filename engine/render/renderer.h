@@ -19,6 +19,8 @@ struct RenderState {
   const BufferStorage* vertex =
       nullptr;     ///< real4 a vertex of all carried meshes, body after body: position; w: field
   double time = 0; ///< s
+  const BufferStorage* torn =
+      nullptr; ///< uint a triangle of all carried meshes, body after body: 1 where it is not drawn
 };
 
 class Renderer {

@@ -59,7 +59,7 @@ RunOutputs::RunOutputs(fs::path folder, const Scene& scene, const Model& model, 
 std::vector<BodyOutput> RunOutputs::blocks() const {
   std::vector<BodyOutput> blocks;
   for (const BodyModel& body : model_.bodies) {
-    BodyOutput block{body.name, BodyOutput::Kind::particles, body.count, {}, {}};
+    BodyOutput block{body.name, BodyOutput::Kind::particles, body.count, {}, {}, false};
     for (const std::string& field : scene_.output.fields)
       block.fields.push_back({field, field == "velocity" || field == "displacement" ? 3u : 1u});
     blocks.push_back(block);
@@ -71,7 +71,8 @@ std::vector<BodyOutput> RunOutputs::blocks() const {
                           BodyOutput::Kind::surface,
                           body.surface->vertices.size(),
                           body.surface->triangles,
-                          {}});
+                          {},
+                          simulation_.frame()->torn() != nullptr});
   return blocks;
 }
 
@@ -135,23 +136,32 @@ void RunOutputs::write_data(unsigned frame) {
   }
   std::vector<BodyFrame> bodies;
   for (const BodyModel& body : model_.bodies) {
-    BodyFrame block{std::span(positions).subspan(3 * std::size_t{body.first}, 3 * std::size_t{body.count}),
-                    {}};
+    BodyFrame block{
+        std::span(positions).subspan(3 * std::size_t{body.first}, 3 * std::size_t{body.count}), {}, {}};
     for (std::size_t f = 0; f < fields.size(); ++f)
       block.fields.push_back(std::span<const float>(fields[f]).subspan(widths[f] * std::size_t{body.first},
                                                                        widths[f] * std::size_t{body.count}));
     bodies.push_back(block);
   }
+  std::vector<std::uint32_t> torn;
   if (output.vertex()) {
+    if (output.torn()) torn = device.download_uint(output.torn());
     for (const Real4<double>& v : device.download_real4(output.vertex()))
       vertices.insert(vertices.end(),
                       {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)});
     const std::vector<std::uint32_t>& first = output.skin().first;
+    const auto torn_of = [&](std::size_t b) {
+      const std::vector<std::uint32_t>& triangle = output.first_triangle();
+      return torn.empty()
+                 ? std::span<const std::uint32_t>{}
+                 : std::span<const std::uint32_t>(torn).subspan(triangle[b], triangle[b + 1] - triangle[b]);
+    };
     for (std::size_t b = 0; b < model_.bodies.size(); ++b)
       if (model_.bodies[b].surface)
         bodies.push_back({std::span<const float>(vertices).subspan(3 * std::size_t{first[b]},
                                                                    3 * std::size_t{first[b + 1] - first[b]}),
-                          {}});
+                          {},
+                          torn_of(b)});
   }
   writer_->append(frame, bodies);
 }
@@ -163,8 +173,8 @@ void RunOutputs::write_frame(unsigned frame) {
   output->update();
   if (writer_) write_data(frame);
   if (!renderer_) return;
-  const Image image =
-      renderer_->draw(simulation_.device(), {output->particle(), output->vertex(), simulation_.time()});
+  const Image image = renderer_->draw(
+      simulation_.device(), {output->particle(), output->vertex(), simulation_.time(), output->torn()});
   write_png(image, picture(folder_, frame));
   if (film_) film_->add(image);
 }

@@ -7,6 +7,7 @@
 #include "kernels/bond_break.h"
 #include "kernels/bond_release.h"
 #include "kernels/fracture_sum.h"
+#include "shaders/common/solver.glsl"
 
 #include <algorithm>
 #include <cmath>
@@ -36,8 +37,17 @@ Failure::Failure(Device& device, const Scene& scene, const Model& model, const P
   device_.upload(state_.shape, std::vector<double>(model.count(), 1.0), plan_.share_row * model.count());
 }
 
+// To where the step ended, by the bonds that are there: the energies before and after breaking then differ by
+// nothing but bonds. With statistics or without, so that these change no bit.
+void Failure::turn_rotations() {
+  if (!plan_.find("rotation")) return;
+  device_.upload(state_.solver, std::vector<double>{0}, SOLVER_STOP);
+  elasticity_.state(state_.best_iterate);
+}
+
 void Failure::break_bonds() {
   SimulationState& s = state_;
+  turn_rotations();
   if (plan_.energy) {
     elasticity_.energy(s.best_iterate);
     device_.enter("failure");
@@ -59,6 +69,9 @@ void Failure::break_bonds() {
                                           .toughness = s.toughness,
                                           .shape = s.shape,
                                           .linear_start = s.linear_start});
+  if (!plan_.find("rotation")) return;
+  elasticity_.begin();
+  turn_rotations();
 }
 
 void Failure::release() {

@@ -4,8 +4,9 @@
 //   become
 //                 padding, at both ends and for good. Weights are not renormalised: a broken bond counts as
 //                 one of stretch 1 in the dilatation, and the rest does not stiffen.
-//   release       books the energy that was in them
-//   repack        drops rows of bonds that are padding in all of their 16 particles: this changes no bit
+//   release       books the energy that was in them, as the neighbourhood's rotation finds it with and
+//   without repack        drops rows of bonds that are padding in all of their 16 particles: this changes no
+//   bit
 #pragma once
 
 #include "engine/device/device.h"
@@ -34,6 +35,8 @@ public:
   std::vector<double> damage();
 
 private:
+  void turn_rotations();
+
   Device& device_;
   const Model& model_;
   const Plan& plan_;

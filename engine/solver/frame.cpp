@@ -2,11 +2,13 @@
 #include "engine/solver/frame.h"
 
 #include "engine/core/error.h"
+#include "engine/model/failure.h"
 #include "engine/solver/elasticity.h"
 #include "engine/solver/state.h"
 #include "kernels/deformation.h"
 #include "kernels/frame_particles.h"
 #include "kernels/skin.h"
+#include "kernels/surface_tear.h"
 
 #include <algorithm>
 #include <array>
@@ -49,9 +51,12 @@ FrameNeeds frame_needs(const Scene& scene, const Model& model, const PlanRequest
   FrameNeeds needs;
   if (!request.frames) return needs;
   const std::size_t n = model.count();
-  std::size_t vertices = 0;
+  std::size_t vertices = 0, triangles = 0;
   for (const BodyModel& body : model.bodies)
-    if (body.surface) vertices += body.surface_reference.size();
+    if (body.surface) {
+      vertices += body.surface_reference.size();
+      triangles += body.surface->triangles.size();
+    }
   needs.surfaces = request.surfaces && vertices > 0;
   needs.strain = needs.surfaces || scene.render.color == "strain" || contains(request.fields, "strain");
   const bool start = scene.render.color == "displacement" || scene.render.color == "energy";
@@ -70,6 +75,11 @@ FrameNeeds frame_needs(const Scene& scene, const Model& model, const PlanRequest
     needs.buffers.push_back({"skin_reference", Type::real4, vertices, "surfaces"});
     needs.buffers.push_back({"reference", Type::real4, n, "surfaces"});
     needs.kernels.push_back({&kernels::skin::Args::info(), "surfaces"});
+    if (triangles > 0 && can_break(scene, model)) {
+      needs.buffers.push_back({"skin_triangle", Type::uint4, triangles, "surfaces"});
+      needs.buffers.push_back({"torn", Type::uint, triangles, "surfaces"});
+      needs.kernels.push_back({&kernels::surface_tear::Args::info(), "surfaces"});
+    }
   }
   return needs;
 }
@@ -79,10 +89,11 @@ FrameOutput::FrameOutput(Simulation& simulation) : simulation_(simulation) {
   Device& device = simulation.device_;
   const Model& model = simulation.model_;
   const std::pair<const char*, Buffer*> members[] = {
-      {"particle", &particle_},       {"vertex", &vertex_},
-      {"gradient", &gradient_},       {"start", &start_},
-      {"reference", &reference_},     {"skin_particle", &skin_particle_},
-      {"skin_weight", &skin_weight_}, {"skin_reference", &skin_reference_}};
+      {"particle", &particle_},           {"vertex", &vertex_},
+      {"gradient", &gradient_},           {"start", &start_},
+      {"reference", &reference_},         {"skin_particle", &skin_particle_},
+      {"skin_weight", &skin_weight_},     {"skin_reference", &skin_reference_},
+      {"skin_triangle", &skin_triangle_}, {"torn", &torn_}};
   for (const auto& [name, buffer] : members)
     if (const BufferSpec* spec = plan.find(name))
       *buffer = device.allocate(spec->name, spec->type, spec->count);
@@ -101,6 +112,9 @@ FrameOutput::FrameOutput(Simulation& simulation) : simulation_(simulation) {
   std::vector<Real4<double>> rows;
   for (const Vector3& x : model.reference) rows.push_back({x.x(), x.y(), x.z(), 0});
   device.upload(reference_, rows);
+  if (!torn_) return;
+  triangles_ = make_skin_triangles(model, skin_);
+  device.write(skin_triangle_, 0, std::as_bytes(std::span(triangles_.triangle)));
 }
 
 void FrameOutput::update() {
@@ -144,7 +158,29 @@ void FrameOutput::update() {
                                    .gradient = gradient_,
                                    .particle = particle_,
                                    .vertex = vertex_});
+  if (torn_) find_torn();
   device.enter("");
+}
+
+void FrameOutput::find_torn() {
+  const SimulationState& s = *simulation_.state_;
+  const Model& model = simulation_.model_;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const std::uint32_t count = triangles_.first[b + 1] - triangles_.first[b];
+    if (count == 0) continue;
+    for (const LawRange& range : model.laws) { // the one that its body lies in
+      if (model.bodies[b].first < range.first || model.bodies[b].first >= range.first + range.count) continue;
+      simulation_.device_.run(kernels::surface_tear::Args{.threads = count,
+                                                          .first_triangle = triangles_.first[b],
+                                                          .first = range.first,
+                                                          .first_slice = range.first_slice,
+                                                          .slice_begin = s.slice_begin,
+                                                          .bond = s.bond,
+                                                          .skin_particle = skin_particle_,
+                                                          .skin_triangle = skin_triangle_,
+                                                          .torn = torn_});
+    }
+  }
 }
 
 std::vector<float> FrameOutput::field(const std::string& name, unsigned& components) {

@@ -90,6 +90,45 @@ TEST(RunWriter, TwoBodiesSatisfyEveryRuleOfTheLayout) {
             (std::vector<std::string>{"Assembly", "sand", "ball_surface"}));
 }
 
+// Of a surface that tears each frame has what is left, also none; a run that is gone on with from a mark as
+// well.
+TEST(RunWriter, ASurfaceTears) {
+  const std::vector<std::vector<std::uint32_t>> torn{{0, 0}, {0, 0}, {1, 0}, {1, 0}, {1, 1}, {1, 1}};
+  for (const std::size_t stop : {torn.size(), std::size_t{2}, std::size_t{4}, std::size_t{5}}) {
+    ScratchFolder folder;
+    BodyOutput ball = surface("ball_surface");
+    ball.tears = true;
+    const auto append = [&](RunWriter& run, std::uint64_t k) {
+      const auto p = values(6, 3, k, 1), v = values(6, 3, k, 2), d = values(6, 1, k, 3);
+      const auto q = values(4, 3, k, 4), s = values(4, 1, k, 5);
+      run.append(k, {{p, {v, d}}, {q, {s}, torn[k]}});
+    };
+    {
+      RunWriter run(folder.path, {cloud("sand", 6), ball}, 30);
+      for (std::uint64_t k = 0; k < stop; ++k) append(run, k);
+      const RunMark mark = run.mark();
+      if (stop < torn.size()) append(run, stop); // lost again
+      run.close();
+      if (stop < torn.size()) {
+        RunWriter more(folder.path, {cloud("sand", 6), ball}, 30, mark);
+        for (std::uint64_t k = stop; k < torn.size(); ++k) append(more, k);
+        more.close();
+      }
+    }
+    const auto answer = check_run(folder.path, static_cast<int>(torn.size()));
+    EXPECT_EQ(answer.status, 0) << answer.text;
+    const h5::File file = h5::File::open(folder.path / "run.vtkhdf");
+    const h5::Group top = file.root().group("VTKHDF").group("ball_surface");
+    EXPECT_EQ(top.dataset("Polygons/NumberOfCells").read<std::int64_t>(),
+              (std::vector<std::int64_t>{2, 1, 0}));
+    EXPECT_EQ(file.root().dataset("/frames/000001/ball_surface/corners").read<std::int64_t>(),
+              (std::vector<std::int64_t>{0, 1, 2, 1, 3, 2}));
+    EXPECT_EQ(file.root().dataset("/frames/000003/ball_surface/corners").read<std::int64_t>(),
+              (std::vector<std::int64_t>{1, 3, 2}));
+    EXPECT_FALSE(file.root().has("/frames/000005/ball_surface/corners"));
+  }
+}
+
 TEST(RunWriter, OneBodyLiesAtTheTop) {
   ScratchFolder folder;
   RunWriter run(folder.path, {cloud("sand", 300)}, 24);

@@ -150,6 +150,41 @@ TEST_P(PlanTruth, DirectionsAddTheirStrengthsOnly) {
   }
 }
 
+// Bonds that cannot break cost nothing; those that can, their own buffers and kernels, and of the laws the
+// variants that know of broken bonds.
+TEST_P(PlanTruth, FailureAddsOnlyItsOwn) {
+  for (const char* law : {"corotated", "ordinary", "basis"})
+    for (const char* method : {"chebyshev", "newton"}) {
+      PlanScene made = elastic_only(law);
+      made.scene.solver.method = method;
+      made.scene.solver.preconditioner = "diagonal";
+      made.request.statistics = true;
+      const auto find = [](const char* component) {
+        for (Switch& one : switches())
+          if (std::string(one.component) == component) return one.on;
+        return std::function<void(PlanScene&)>{};
+      };
+      find("surfaces")(made);
+      made.model.bodies[0].surface->triangles = {{0, 1, 2}, {1, 2, 3}};
+      const Truth plain = expect_truth(GetParam(), made, std::string(law) + ", " + method);
+      find("failure")(made);
+      const Truth breaks = expect_truth(GetParam(), made, std::string(law) + " that breaks, " + method);
+      EXPECT_EQ(difference(breaks.allocated, plain.allocated),
+                (Names{"toughness", "energy_before", "released", "fracture", "skin_triangle", "torn"}));
+      EXPECT_EQ(difference(plain.allocated, breaks.allocated), Names{});
+      const BufferSpec *before = plain.plan.find("shape"), *after = breaks.plan.find("shape");
+      EXPECT_EQ(after->count, before->count + 2 * made.model.count()) << "share of weights, bonds broken";
+      Names own{"bond_break", "bond_release", "fracture_sum", "surface_tear"};
+      EXPECT_EQ(difference(kernels_of(breaks.plan), kernels_of(plain.plan)), own);
+      for (const std::string& name : variants(plain.plan)) {
+        EXPECT_EQ(name.find("failing=1"), std::string::npos) << name;
+        if (name.find("failing=0") == std::string::npos) {
+          EXPECT_TRUE(variants(breaks.plan).count(name)) << name;
+        }
+      }
+    }
+}
+
 TEST_P(PlanTruth, EachComponentAddsOnlyItsOwn) {
   PlanScene framed = elastic_only();
   framed.request.frames = true;

@@ -78,11 +78,10 @@ def check_block(block, name, version, fps):
     for n, v in {**offsets, "CellOffsets": cell_offsets, "ConnectivityIdOffsets": id_offsets}.items():
         need(len(v) == count, f"{steps.name}/{n} has {len(v)} rows, not {count}")
     need(np.all(offsets["NumberOfParts"] == 1), f"{steps.name}/NumberOfParts is not 1 throughout")
-    need(not id_offsets.any(), f"{steps.name}/ConnectivityIdOffsets are not 0 throughout")
-
     cells = {c: {n: table(block[c], n, "i8") for n in ("NumberOfCells", "NumberOfConnectivityIds", "Connectivity", "Offsets")} for c in CELLS}
     surface = cells["Polygons"]["NumberOfCells"].any()
-    parts = 1 if surface else count
+    parts = len(sizes) if surface else count  # of a surface: another whenever triangles have torn
+    need(not surface or 1 <= parts <= count + 1, f"{block.name} has {parts} topologies in {count} steps")
     need(len(sizes) == parts, f"{block.name}/NumberOfPoints has {len(sizes)} parts, not {parts}")
     for c in CELLS:
         got, where = cells[c], f"{block.name}/{c}"
@@ -91,14 +90,20 @@ def check_block(block, name, version, fps):
         if c != ("Polygons" if surface else "Vertices"):
             need(not got["NumberOfCells"].any() and not len(got["Connectivity"]), f"{where} is not empty")
     if surface:
-        need(not offsets["PartOffsets"].any() and not cell_offsets.any(), f"{block.name}: the offsets of a fixed topology advance")
-        got, triangles = cells["Polygons"], cells["Polygons"]["NumberOfCells"][0]
-        need(got["NumberOfConnectivityIds"][0] == 3 * triangles == len(got["Connectivity"]), f"{block.name}/Polygons is not made of triangles")
-        need(np.array_equal(got["Offsets"], 3 * np.arange(triangles + 1)), f"{block.name}/Polygons/Offsets are not 0, 3, 6, ...")
-        need(got["Connectivity"].min() >= 0 and got["Connectivity"].max() < sizes[0], f"{block.name}/Polygons names points that are not there")
-        sizes = np.repeat(sizes, count)
+        part, got, triangles = offsets["PartOffsets"], cells["Polygons"], cells["Polygons"]["NumberOfCells"]
+        need(np.all(np.isin(np.diff(part), (0, 1))) and part.min(initial=0) >= 0 and part.max(initial=0) < parts, f"{steps.name}/PartOffsets do not go through the topologies")
+        before = np.concatenate([[0], np.cumsum(triangles)])[:-1]
+        need(np.array_equal(cell_offsets[:, 2], before[part]) and not cell_offsets[:, (0, 1, 3)].any(), f"{steps.name}/CellOffsets are wrong")
+        need(np.array_equal(id_offsets[:, 2], 3 * before[part]) and not id_offsets[:, (0, 1, 3)].any(), f"{steps.name}/ConnectivityIdOffsets are wrong")
+        need(np.array_equal(got["NumberOfConnectivityIds"], 3 * triangles) and len(got["Connectivity"]) == 3 * triangles.sum(), f"{block.name}/Polygons is not made of triangles")
+        need(np.array_equal(got["Offsets"], np.concatenate([3 * np.arange(n + 1) for n in triangles])), f"{block.name}/Polygons/Offsets are not 0, 3, 6, ...")
+        need(got["Connectivity"].min(initial=0) >= 0 and got["Connectivity"].max(initial=0) < sizes[0], f"{block.name}/Polygons names points that are not there")
+        need(np.all(sizes == sizes[0]), f"{block.name}/NumberOfPoints of a surface vary")
+        corners = [got["Connectivity"][3 * before[p]:3 * (before[p] + triangles[p])] for p in part]
+        sizes = np.repeat(sizes[:1], count)
     else:
         got = cells["Vertices"]
+        need(not id_offsets.any(), f"{steps.name}/ConnectivityIdOffsets are not 0 throughout")
         need(np.array_equal(offsets["PartOffsets"], np.arange(count)), f"{steps.name}/PartOffsets are not 0, 1, 2, ...")
         need(np.array_equal(got["NumberOfCells"], (sizes > 0).astype("i8")), f"{block.name}/Vertices: not one cell a step, none where it is empty")
         need(np.array_equal(got["NumberOfConnectivityIds"], sizes), f"{block.name}/Vertices: not every point is in the cell")
@@ -121,7 +126,7 @@ def check_block(block, name, version, fps):
         need(np.array_equal(table(steps["PointDataOffsets"], array, "i8"), starts), f"{steps.name}/PointDataOffsets/{array} are wrong")
         arrays[array] = data
     return {"name": name, "values": values, "frames": frames.astype(int), "sizes": sizes, "starts": starts, "arrays": arrays, "surface": surface,
-            "triangles": int(cells["Polygons"]["NumberOfCells"][0]) if surface else 0, "path": block.name}
+            "corners": corners if surface else None, "path": block.name}
 
 
 def check_views(file, blocks):
@@ -134,6 +139,10 @@ def check_views(file, blocks):
                 need(folder not in file, f"{folder} exists for an empty step")
                 continue
             names = set(b["arrays"]) | (set() if b["surface"] else {"id"})
+            if b["surface"] and "corners" in file[folder]:  # a surface that tears
+                view = file[f"{folder}/corners"]
+                need(view.is_virtual and np.array_equal(view[()], b["corners"][k]), f"{view.name} is not what is left of the triangles")
+                names.add("corners")
             need(set(file[folder]) == names, f"{folder} holds {sorted(file[folder])}, not {sorted(names)}")
             for array, data in b["arrays"].items():
                 view = file[f"{folder}/{array}"]
@@ -153,13 +162,13 @@ def check_xdmf(folder, file, blocks):
     for k, step in enumerate(steps):
         time = float(step.find("Time").attrib["Value"])
         need(time == blocks[0]["values"][k], f"step {k} of run.xmf is at {time}, not {blocks[0]['values'][k]}")
-        present = [b for b in blocks if b["sizes"][k] > 0]
+        present = [b for b in blocks if b["sizes"][k] > 0 and (not b["surface"] or len(b["corners"][k]))]
         grids = step.findall("Grid")
         need([g.attrib["Name"] for g in grids] == [b["name"] for b in present], f"step {k} of run.xmf names other bodies")
         for grid, b in zip(grids, present):
             kind = grid.find("Topology").attrib
             if b["surface"]:
-                need(kind["TopologyType"] == "Triangle" and int(kind["NumberOfElements"]) == b["triangles"], f"step {k}, {b['name']}: topology")
+                need(kind["TopologyType"] == "Triangle" and 3 * int(kind["NumberOfElements"]) == len(b["corners"][k]), f"step {k}, {b['name']}: topology")
             else:
                 need(kind["TopologyType"] == "Polyvertex" and int(kind["NumberOfElements"]) == b["sizes"][k], f"step {k}, {b['name']}: topology")
             need(grid.find("Topology/DataItem") is not None, f"step {k}, {b['name']}: the ids are not explicit")
@@ -168,7 +177,7 @@ def check_xdmf(folder, file, blocks):
             name, path = item.text.split(":")
             need(name == "run.vtkhdf" and path in file, f"run.xmf refers to {item.text}, which is not there")
             data, shape = file[path], tuple(int(x) for x in item.attrib["Dimensions"].split())
-            if path.endswith(("/Connectivity", "/id")):
+            if path.endswith(("/Connectivity", "/corners", "/id")):
                 need(data.ndim == 1 and len(data) == np.prod(shape), f"{path} has {data.shape}, run.xmf says {shape}")
             else:
                 need(data.shape == shape, f"{path} has {data.shape}, run.xmf says {shape}")

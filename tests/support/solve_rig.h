@@ -5,6 +5,7 @@
 #include "engine/model/hierarchy.h"
 #include "engine/solver/contact.h"
 #include "engine/solver/elasticity.h"
+#include "engine/solver/failure.h"
 #include "engine/solver/multilevel.h"
 #include "engine/solver/preconditioner.h"
 #include "engine/solver/state.h"
@@ -28,6 +29,7 @@ public:
         *buffer = device.allocate(spec.name, spec.type, spec.count);
     for (const Held& held : model.held) held_[held.particle] = true;
     upload();
+    if (plan.failure) failure_ = std::make_unique<Failure>(device, scene, model, plan, state_, elasticity_);
     if (plan.boundaries || plan.pairs)
       contacts_ = std::make_unique<Contacts>(device, scene, model, Vector3::Zero(), contact_use(plan.method));
     preconditioner_ =
@@ -74,6 +76,20 @@ public:
                                               .force = state_.force,
                                               .solve_partial = state_.solve_partial});
     return vectors(state_.force);
+  }
+  /// Of bodies that break, as at the end of a step with displacements u.
+  void break_bonds(const std::vector<Vector3>& u) {
+    device_.upload(state_.best_iterate, groups(u));
+    failure_->break_bonds();
+  }
+  Failure* failure() { return failure_.get(); }
+  /// J, at displacements u.
+  double energy(const std::vector<Vector3>& u) {
+    forces(u);
+    elasticity_.energy(state_.displacement);
+    double sum = 0;
+    for (const double one : device_.download_real(state_.energy, 0, count())) sum += one;
+    return sum;
   }
   /// After forces(): what the preconditioner has of the iterate.
   void refresh() {
@@ -150,6 +166,7 @@ private:
   SimulationState state_;
   Elasticity elasticity_;
   std::vector<bool> held_;
+  std::unique_ptr<Failure> failure_;
   std::unique_ptr<Contacts> contacts_;
   std::unique_ptr<Preconditioner> preconditioner_;
   std::vector<Real4<double>> diagonal_;

@@ -7,12 +7,15 @@
 
 namespace pliant::gl {
 
-DrawnSurface::DrawnSurface(const Context& context, const Mesh& mesh, const std::vector<Vector3>& colours)
+DrawnSurface::DrawnSurface(const Context& context, const Mesh& mesh, const std::vector<Vector3>& colours,
+                           bool tears)
     : context_(context), vertex_count_(static_cast<std::uint32_t>(mesh.vertices.size())),
-      corners_(context.gl()), fans_(context.gl()), triangles_(context.gl()), drawn_(context.gl()),
-      colours_(context.gl()), indices_(context.gl()), array_(context.gl()) {
+      triangle_count_(static_cast<std::uint32_t>(mesh.triangles.size())), corners_(context.gl()),
+      fans_(context.gl()), triangles_(context.gl()), drawn_(context.gl()), colours_(context.gl()),
+      indices_(context.gl()), array_(context.gl()) {
   const GladGLContext& gl = context.gl();
   const DrawnMesh split = split_creases(mesh);
+  if (tears) whole_ = split.triangles, corners_of_ = split.indices;
   corner_count_ = static_cast<std::uint32_t>(split.corners.size());
   index_count_ = static_cast<std::uint32_t>(3 * split.indices.size());
   std::vector<std::array<float, 3>> corner_colours;
@@ -50,6 +53,25 @@ void DrawnSurface::update(GLuint program, GLuint vertices, std::uint32_t first) 
   gl.Uniform1ui(gl.GetUniformLocation(program, "first_vertex"), first);
   const std::uint32_t groups = (corner_count_ + 127) / 128, rows = (groups + 65534) / 65535;
   gl.DispatchCompute(std::min(groups, 65535u), rows, 1);
+}
+
+void DrawnSurface::tear(std::span<const std::uint32_t> torn) {
+  if (std::equal(torn.begin(), torn.end(), torn_.begin(), torn_.end())) return;
+  torn_.assign(torn.begin(), torn.end());
+  std::vector<std::array<std::uint32_t, 3>> triangles(whole_), left;
+  for (std::size_t t = 0; t < whole_.size(); ++t) {
+    if (torn_[t] == 0)
+      left.push_back(corners_of_[t]);
+    else // no area, no normal
+      triangles[t] = {whole_[t][0], whole_[t][0], whole_[t][0]};
+  }
+  index_count_ = static_cast<std::uint32_t>(3 * left.size());
+  const GladGLContext& gl = context_.gl();
+  fill(gl, triangles_, 12 * triangles.size(), triangles.data(), GL_DYNAMIC_DRAW);
+  gl.BindVertexArray(array_.name());
+  fill(gl, indices_, 12 * left.size(), left.data(), GL_DYNAMIC_DRAW);
+  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.name());
+  gl.BindVertexArray(0);
 }
 
 void DrawnSurface::draw() const {

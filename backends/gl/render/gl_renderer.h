@@ -56,7 +56,7 @@ struct Programs {
 
 struct BodySurface {
   DrawnSurface surface;
-  std::uint32_t first_vertex;
+  std::uint32_t first_vertex, first_triangle;
 };
 struct Obstacle {
   DrawnSurface surface;
@@ -131,6 +131,8 @@ public:
   }
 
   Image draw(Device& simulation, const RenderState& state) override {
+    const std::vector<std::uint32_t> torn =
+        state.torn ? simulation.download_uint(state.torn) : std::vector<std::uint32_t>{};
     const Scope scope(*context_);
     gl().MemoryBarrier(GL_ALL_BARRIER_BITS);
     const GLuint particles = state.particle ? source(simulation, *state.particle, assets_->particle_copy) : 0;
@@ -155,6 +157,9 @@ public:
     block_.sizes[0] = static_cast<float>(radius_);
     block_.sizes[3] = static_cast<float>(assets_->targets.samples);
     if (meshes) {
+      if (state.torn)
+        for (BodySurface& body : assets_->bodies)
+          body.surface.tear(std::span(torn).subspan(body.first_triangle, body.surface.triangle_count()));
       for (const BodySurface& body : assets_->bodies)
         body.surface.update(assets_->programs.normals.name(), vertices, body.first_vertex);
       gl().MemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT);

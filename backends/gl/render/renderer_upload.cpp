@@ -1,6 +1,8 @@
 // What the renderer uploads once: bodies, boundaries and tables.
 #include "backends/gl/render/gl_renderer.h"
 
+#include "engine/model/failure.h"
+
 namespace pliant::gl {
 
 Source shader(const std::string& file) {
@@ -26,7 +28,8 @@ void GlRenderer::upload_bodies(const Scene& scene, const Model& model) {
   const std::vector<Vector3> colours = body_colours(scene, model);
   const std::filesystem::path folder = scene.file.parent_path();
   std::vector<std::array<std::uint8_t, 4>> particle_colours(std::max<std::size_t>(model.count(), 1));
-  std::uint32_t first_vertex = 0;
+  std::uint32_t first_vertex = 0, first_triangle = 0;
+  const bool tears = can_break(scene, model);
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const BodyModel& body = model.bodies[b];
     const bool by_region =
@@ -42,7 +45,10 @@ void GlRenderer::upload_bodies(const Scene& scene, const Model& model) {
     }
     if (!body.surface || scene.render.show != "surface") {
       bare_.push_back({body.first, body.count});
-      if (body.surface) first_vertex += static_cast<std::uint32_t>(body.surface->vertices.size());
+      if (body.surface) {
+        first_vertex += static_cast<std::uint32_t>(body.surface->vertices.size());
+        first_triangle += static_cast<std::uint32_t>(body.surface->triangles.size());
+      }
       continue;
     }
     std::vector<Vector3> vertex_colours(body.surface->vertices.size(), colours[b]);
@@ -53,8 +59,10 @@ void GlRenderer::upload_bodies(const Scene& scene, const Model& model) {
         for (std::size_t v = 0; material && v < vertex_colours.size(); ++v)
           if (query.contains(body.surface->vertices[v])) vertex_colours[v] = to_linear(material->color);
       }
-    assets_->bodies.push_back({DrawnSurface(*context_, *body.surface, vertex_colours), first_vertex});
+    assets_->bodies.push_back(
+        {DrawnSurface(*context_, *body.surface, vertex_colours, tears), first_vertex, first_triangle});
     first_vertex += static_cast<std::uint32_t>(body.surface->vertices.size());
+    first_triangle += static_cast<std::uint32_t>(body.surface->triangles.size());
   }
   vertices_needed_ = first_vertex;
   fill(gl(), assets_->particle_colours, 4 * particle_colours.size(), particle_colours.data(), GL_STATIC_DRAW);
