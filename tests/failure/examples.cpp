@@ -107,7 +107,7 @@ Front front_of(const Model& model, const std::vector<double>& damage, double lim
 TEST(FailureExamples, TheGlassPlateCracks) {
   const Scene scene =
       example("glass-branching.toml",
-              {"simulation.spacing=0.001", "simulation.time_step=2e-7", "simulation.horizon=2.1"});
+              {"simulation.spacing=0.00125", "simulation.time_step=2.5e-7", "simulation.horizon=2.1"});
   const Model model = assemble(scene);
   const auto device = open_alone({"openmp_float", "openmp", Precision::single_precision});
   Simulation simulation(*device, scene, model);
