@@ -36,7 +36,8 @@ INSTANTIATE_TEST_SUITE_P(Devices, BreakingBar, testing::ValuesIn(device_choices(
 
 TEST_P(BreakingBar, SameBitsForOneThreadAndTwoWithStatisticsAndWithout) {
   for (const Breakable& one : breakable_materials()) {
-    if (GetParam().gl() && one.name != "corotated") continue; // software renders slowly
+    const bool both = one.name == "corotated" || one.name == "basis with directions";
+    if (GetParam().gl() ? one.name != "corotated" : is_double() && !both) continue; // software GL is slow
     const Stage stage = drawn_bar(one.material);
     const auto narrow = open_alone(GetParam(), 1), wide = open_alone(GetParam(), 2);
     Simulation first(*narrow, stage.scene, stage.model, asked(true)),
@@ -71,6 +72,24 @@ TEST_P(BreakingBar, ASavedStateGoesOnBitForBit) {
       EXPECT_EQ(first.hash(), second.hash()) << one.name << " from step " << state.step;
       EXPECT_EQ(first.damage(), second.damage()) << one.name << " from step " << state.step;
     }
+  }
+}
+
+// Bonds that could break but do not change no bit of the laws over bonds, whose neighbourhoods have no
+// rotation.
+TEST_P(BreakingBar, WhatDoesNotBreakHasTheBitsOfWhatCannot) {
+  const auto open = device();
+  for (const char* law : {"ordinary", "basis"}) {
+    Material material = material_of(law, 1e5, 0.3);
+    if (std::string(law) == "basis") material.volume_basis = material.bond_basis = {{"A2", 1.0}};
+    const Stage never = drawn_bar(material);
+    material.critical_stretch = 1000;
+    const Stage could = drawn_bar(material);
+    Simulation first(*open, never.scene, never.model, asked(true)),
+        second(*open, could.scene, could.model, asked(true));
+    const int steps = GetParam().gl() ? 5 : 66; // past a repack where it is quick
+    for (int k = 0; k < steps; ++k) first.step(), second.step();
+    EXPECT_EQ(first.hash(), second.hash()) << law;
   }
 }
 
@@ -124,6 +143,7 @@ TEST_P(BreakingBar, AStepTakenBackRestoresItsBonds) {
 TEST(BreakingEnergy, IsAccountedFor) {
   const auto open = open_double();
   for (const Breakable& one : breakable_materials()) {
+    if (one.name.find(" of bonds") != std::string::npos) continue;
     Material material = one.material;
     material.critical_stretch = 0.05;
     Stage stage(lattice(13, 4, 4, spacing), spacing, material, 2e-4);
