@@ -1,4 +1,5 @@
 // See kernels/conjugate_control.decl.
+#include "common/energy_error.glsl"
 #include "common/solver.glsl"
 
 shared vec4 group_sum[256];
@@ -40,6 +41,8 @@ void main() {
   solver[SOLVER_CG_STEP] = rz / found;
   solver[SOLVER_SLOPE] += solver[SOLVER_CG_STEP] * rz; // r_first . p = r . z along conjugate directions
   solver[SOLVER_INNER] += 1.0;
+  if (energy_tolerance > 0.0)
+    solver[SOLVER_GAIN] = max(max(solver[SOLVER_GAIN], solver[SOLVER_CG_STEP]), solver[SOLVER_SLOPE] / solver[SOLVER_RZ_FIRST]);
   bool end = solver[SOLVER_COUNT] >= float(cap) || solver[SOLVER_CAUTIOUS] > 0.0;
   solver[SOLVER_ACTION] = end ? 2.0 : 1.0;
   if (end) complete();
@@ -53,11 +56,27 @@ void main() {
       solver[SOLVER_REASON] = exhausted ? 3.0 : 4.0;
       return;
     }
+    if (energy_tolerance > 0.0) {
+      float left = 0.5 * solver[SOLVER_GAIN] * found;
+      if (left > 0.0 && solver[SOLVER_FALL] > 0.0) {
+        float error = left / (solver[SOLVER_FALL] + left);
+        solver[SOLVER_ENERGY_ERROR] = error;
+        if (error <= energy_tolerance) {
+          solver[SOLVER_LINEAR] = 0.0;
+          solver[SOLVER_STOP] = 1.0;
+          solver[SOLVER_REASON] = 1.0;
+          return;
+        }
+      }
+      solver[SOLVER_RZ_FIRST] = found;
+    }
     float forcing = min(0.1, sqrt(solver[SOLVER_BEST] / solver[SOLVER_FIRST]));
     solver[SOLVER_RZ_ENOUGH] = forcing * forcing * found;
     solver[SOLVER_SLOPE] = 0.0;
   } else {
-    if (!(found > solver[SOLVER_RZ_ENOUGH]) || solver[SOLVER_COUNT] >= float(cap)) {
+    float enough = energy_tolerance * (solver[SOLVER_FALL] + 0.5 * solver[SOLVER_SLOPE]);
+    bool precise = energy_tolerance > 0.0 && solver[SOLVER_GAIN] * found <= enough;
+    if (!(found > solver[SOLVER_RZ_ENOUGH]) || precise || solver[SOLVER_COUNT] >= float(cap)) {
       solver[SOLVER_ACTION] = 2.0;
       complete();
       return;

@@ -1,4 +1,5 @@
 // See kernels/history_control.decl.
+#include "common/energy_error.glsl"
 #include "common/solver.glsl"
 
 shared float group_sum[128];
@@ -102,7 +103,17 @@ void main() {
 #else
   solver[SOLVER_KEEP_Z] = first_length;
 #endif
-  solver[SOLVER_ACTION] = 1.0;
   solver[SOLVER_LINEAR] = 0.0;
+  if (energy_tolerance > 0.0 && solver[SOLVER_FALL] > 0.0) {
+    float left = 4.0 * max(0.5 * solver[SOLVER_SLOPE], solver[SOLVER_LEFT]);
+    float error = left / (solver[SOLVER_FALL] + left);
+    solver[SOLVER_ENERGY_ERROR] = error;
+    if (error <= energy_tolerance) {
+      solver[SOLVER_STOP] = 1.0;
+      solver[SOLVER_REASON] = 1.0;
+      return;
+    }
+  }
+  solver[SOLVER_ACTION] = 1.0;
   solver[SOLVER_STOP] = 0.0;
 }

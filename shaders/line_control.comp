@@ -1,4 +1,5 @@
 // See kernels/line_control.decl.
+#include "common/energy_error.glsl"
 #include "common/solver.glsl"
 
 shared vec4 group_sum[256];
@@ -40,6 +41,14 @@ void main() {
     solver[SOLVER_SCALE] = sqrt(group_scale[0].x);
     solver[SOLVER_TRIAL] = 0.0;
     solver[SOLVER_CONVEX] = 0.0;
+#if potential
+    solver[SOLVER_RISES] = 0.0;
+    solver[SOLVER_ENERGY_ERROR] = 1.0;
+    solver[SOLVER_FALL] = 0.0;
+    solver[SOLVER_LAST_FALL] = 0.0;
+    solver[SOLVER_LEFT] = 0.0;
+    solver[SOLVER_GAIN] = 0.0;
+#endif
   }
   solver[SOLVER_COUNT] += 1.0;
   solver[SOLVER_CURRENT] = e;
@@ -66,9 +75,14 @@ void main() {
   float steep = sums.z / solver[SOLVER_LENGTH], slope = solver[SOLVER_SLOPE];
   bool near_floor = potential != 0 && solver[SOLVER_BEST] <= 32.0 * low;
   bool blind = false; // the precision cannot tell what the step did
-  if (!taken && finite) {
+  bool tried = !taken && finite;
+  float fall = 0.0, rise = 0.0;
+  if (tried) {
     float change = sums.y - solver[SOLVER_POTENTIAL];
-    bool telling = abs(change) > noise * (abs(sums.y) + abs(solver[SOLVER_POTENTIAL])) + 64.0 * low * low;
+    float least = noise * (abs(sums.y) + abs(solver[SOLVER_POTENTIAL])) + 64.0 * low * low;
+    bool telling = abs(change) > least;
+    fall = abs(change) > 16.0 * least ? -change : 0.5 * (solver[SOLVER_LENGTH] * slope + sums.z);
+    rise = change > least ? 1.0 : 0.0;
 #if !potential
     telling = false;
 #endif
@@ -78,6 +92,16 @@ void main() {
       taken = (steep >= -0.8 * slope && !near_floor) || e < (1.0 - 0.25 * solver[SOLVER_LENGTH]) * solver[SOLVER_BEST];
   }
   if (taken) {
+#if potential
+    if (tried) {
+      fall = max(fall, 0.0);
+      float before = solver[SOLVER_LAST_FALL], ratio = before > 0.0 ? min(fall / before, 0.9) : 0.9;
+      solver[SOLVER_RISES] += rise;
+      solver[SOLVER_FALL] += fall;
+      solver[SOLVER_LAST_FALL] = fall;
+      solver[SOLVER_LEFT] = fall * ratio / (1.0 - ratio);
+    }
+#endif
     // What momentum alone would leave is the most that a tolerance should be measured against.
     if (restart != 0u && finite && iteration > 0) solver[SOLVER_FIRST] = max(solver[SOLVER_FIRST], min(e, solver[SOLVER_SCALE]));
     if (isnan(solver[SOLVER_FIRST]) || isinf(solver[SOLVER_FIRST])) solver[SOLVER_FIRST] = e;

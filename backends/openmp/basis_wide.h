@@ -49,6 +49,67 @@ PLIANT_INLINE WideSlopes<real> basis_slopes(const Real4<real>* __restrict terms,
   return {first + (e - inside) * second, second};
 }
 
+/// log_remainder() of every lane: the series where it holds, which it does nearly everywhere.
+template <class real> PLIANT_INLINE Wide<real> log_remainder_wide(Wide<real> e) {
+  constexpr int terms = sizeof(real) == 4 ? 6 : 14; // z^2 < .032, so that what follows is below a rounding
+  const Wide<real> half = 1 / (2 + e), z2 = e * e * half * half;
+  Wide<real> series{};
+  for (int k = terms; k >= 1; --k) series = series * z2 + 1 / static_cast<real>(2 * k + 1);
+  Wide<real> value = half - 2 * e * series * half * half * half;
+  const uint far = bits<real>(magnitudes<real>(e) > real(0.3));
+  for (uint lane = 0; far >> lane != 0; ++lane)
+    if (far >> lane & 1u) value[lane] = log_remainder<real>(e[lane]);
+  return value;
+}
+
+template <class real>
+PLIANT_INLINE Wide<real> basis_value(const Real4<real>* __restrict terms, Wide<real> e) {
+  const Wide<real> none{}, low = none + (real(STRETCH_LEAST) - 1), high = none + (real(STRETCH_MOST) - 1);
+  const Wide<real> above = e < low ? low : e, inside = above > high ? high : above;
+  const Wide<real> s = 1 + inside, r = 1 / s;
+  Wide<real> sum{}; // over e^2
+  for (int k = 0; k < STRETCH_POWERS && terms[k].x > 0; ++k) {
+    const Real4<real> term = terms[k]; // n, A, B, log2
+    const int n = static_cast<int>(term.x);
+    Wide<real> up{}, sum_up{}, down{}, sum_down{};
+    for (int m = 1; m <= n; ++m) {
+      up = up * s + 1;
+      sum_up += up;
+      if (term.y == 0 || m + 2 > n) continue;
+      down = down * r + 1;
+      sum_down += down;
+    }
+    const Wide<real> over = sum_up * (1 / (term.x + 1));
+    if (term.y != 0 && n == 1) sum += term.y * (real(0.5) + log_remainder_wide<real>(inside));
+    if (term.y != 0 && n > 1) sum += (term.y / term.x) * (r + over + r * r * sum_down * (1 / (term.x - 1)));
+    if (term.z != 0) sum += (2 * term.z / term.x) * over;
+    if (term.w != 0) {
+      Wide<real> ratio = none + 1;
+      for (uint lane = 0; lane < lanes<real>; ++lane)
+        if (inside[lane] != 0) ratio[lane] = log_of_one_plus(inside[lane]) / inside[lane];
+      sum += term.w * ratio * ratio;
+    }
+  }
+  Wide<real> value = inside * inside * sum;
+  const Wide<real> beyond = e - inside;
+  if (bits<real>(beyond != 0) != 0) {
+    const WideSlopes<real> slope = basis_slopes<real>(terms, inside);
+    value += beyond * (slope.first + beyond * slope.second / 2);
+  }
+  return value;
+}
+
+/// What one bond adds to the dilatation, and the dilatation from the mean: see basis.h.
+template <class real>
+PLIANT_INLINE Wide<real> lengthening_of(const Wide<real>& size, const Wide<real>& x, bool squared) {
+  return (size - x) * (squared ? (size + x) / 2 : x);
+}
+template <class real> PLIANT_INLINE Wide<real> dilatation_of(const Wide<real>& mean, bool squared) {
+  if (!squared) return mean;
+  const Wide<real> square = 1 + 2 * mean, none{};
+  return 2 * mean / (1 + root_wide<real>(square > 0 ? square : none));
+}
+
 /// A bond's lengths and its direction; where two particles coincide, that of the reference bond.
 template <class real> struct WideBond {
   Wide<real> x, size, per_x;

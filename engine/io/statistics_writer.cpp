@@ -20,8 +20,10 @@ namespace {
 
 constexpr std::size_t plain_columns = 11;
 constexpr const char* fracture_columns = ",broken_bonds,fracture_energy";
+constexpr const char* energy_columns = ",energy_error,energy_rises";
 
-std::string header_of(const std::filesystem::path& path, const std::vector<std::string>& components) {
+std::string header_of(const std::filesystem::path& path, const std::vector<std::string>& components,
+                      bool energies) {
   std::string header =
       "step,time,iterations,residual,stopped,kinetic_energy,elastic_energy,momentum_x,momentum_y,"
       "momentum_z,ms_total";
@@ -33,6 +35,7 @@ std::string header_of(const std::filesystem::path& path, const std::vector<std::
   }
   if (std::find(components.begin(), components.end(), "failure") != components.end())
     header += fracture_columns;
+  if (energies) header += energy_columns;
   return header + "\n";
 }
 
@@ -46,9 +49,9 @@ void StatisticsWriter::open(int flags) {
 }
 
 StatisticsWriter::StatisticsWriter(const std::filesystem::path& path,
-                                   const std::vector<std::string>& components)
+                                   const std::vector<std::string>& components, bool energies)
     : path_(path), components_(components.size()) {
-  const std::string header = header_of(path, components);
+  const std::string header = header_of(path, components, energies);
   open(O_WRONLY | O_CREAT | O_TRUNC);
   try {
     write(header);
@@ -59,9 +62,10 @@ StatisticsWriter::StatisticsWriter(const std::filesystem::path& path,
 }
 
 StatisticsWriter::StatisticsWriter(const std::filesystem::path& path,
-                                   const std::vector<std::string>& components, std::uint64_t bytes)
+                                   const std::vector<std::string>& components, bool energies,
+                                   std::uint64_t bytes)
     : path_(path), components_(components.size()) {
-  const std::string header = header_of(path, components);
+  const std::string header = header_of(path, components, energies);
   const std::string text = read_text_file(path);
   if (text.size() < bytes || bytes < header.size() || text.compare(0, header.size(), header) != 0 ||
       text[bytes - 1] != '\n')
@@ -111,6 +115,7 @@ void StatisticsWriter::append(const StatisticsRow& row) {
                                  row.momentum[0], row.momentum[1], row.momentum[2], row.ms_total);
   for (const double ms : row.ms_components) line += fmt::format(",{}", ms);
   if (row.fracture) line += fmt::format(",{:.0f},{}", (*row.fracture)[0], (*row.fracture)[1]);
+  if (row.energy) line += fmt::format(",{},{:.0f}", (*row.energy)[0], (*row.energy)[1]);
   write(line + "\n");
 }
 
@@ -119,9 +124,14 @@ std::vector<StatisticsRow> read_statistics(const std::filesystem::path& path) {
   std::vector<StatisticsRow> rows;
   std::string line;
   std::getline(text, line);
-  const std::string last = fracture_columns;
-  const bool fracture =
-      line.size() >= last.size() && line.compare(line.size() - last.size(), last.size(), last) == 0;
+  const auto ends_in = [&line](const std::string& columns) {
+    if (line.size() < columns.size() ||
+        line.compare(line.size() - columns.size(), columns.size(), columns) != 0)
+      return false;
+    line.resize(line.size() - columns.size());
+    return true;
+  };
+  const bool energies = ends_in(energy_columns), fracture = ends_in(fracture_columns);
   while (std::getline(text, line) && !text.eof()) {
     std::vector<std::string> cells(1);
     for (const char c : line)
@@ -150,6 +160,11 @@ std::vector<StatisticsRow> read_statistics(const std::filesystem::path& path) {
                       {number(7), number(8), number(9)},
                       number(10),
                       {}};
+    if (energies) {
+      if (cells.size() < plain_columns + 2) throw damaged();
+      row.energy = {number(cells.size() - 2), number(cells.size() - 1)};
+      cells.resize(cells.size() - 2);
+    }
     if (fracture) {
       if (cells.size() < plain_columns + 2) throw damaged();
       row.fracture = {number(cells.size() - 2), number(cells.size() - 1)};

@@ -23,19 +23,22 @@ struct StatisticsRow {
   std::vector<double> ms_components; ///< in the order of the header
   /// Scenes whose bonds may break: bonds broken and J released so far, the last two columns.
   std::optional<std::array<double, 2>> fracture = std::nullopt;
+  /// Scenes with a line search on a potential: estimated energy error and iterates that rose, two columns.
+  std::optional<std::array<double, 2>> energy = std::nullopt;
 };
 
 class StatisticsWriter {
 public:
   /// Writes the header: step, time, iterations, residual, stopped, kinetic_energy, elastic_energy,
   /// momentum_x, momentum_y, momentum_z, ms_total, then ms_<component>; with a component "failure" then
-  /// broken_bonds, fracture_energy. Replaces what is there. Throws
-  /// Error(input_output).
-  StatisticsWriter(const std::filesystem::path& path, const std::vector<std::string>& components);
+  /// broken_bonds, fracture_energy; with `energies` then energy_error, energy_rises. Replaces what is there.
+  /// Throws Error(input_output).
+  StatisticsWriter(const std::filesystem::path& path, const std::vector<std::string>& components,
+                   bool energies);
   /// Goes on with a file whose first `bytes` are kept; what lies beyond is dropped.
   /// Throws Error(input_output) where it is missing, shorter, or has other columns.
   StatisticsWriter(const std::filesystem::path& path, const std::vector<std::string>& components,
-                   std::uint64_t bytes);
+                   bool energies, std::uint64_t bytes);
   ~StatisticsWriter();
   StatisticsWriter(const StatisticsWriter&) = delete;
   StatisticsWriter& operator=(const StatisticsWriter&) = delete;

@@ -49,6 +49,11 @@ bool stiffens(const Model& model) {
   return false;
 }
 
+/// Whether the user asks for an energy error rather than an assumed one where it is cheap.
+bool energy_ends(const Scene& scene) {
+  return scene.solver.energy_tolerance && !scene.solver.energy_assumed;
+}
+
 } // namespace
 
 Method choose_method(const Scene& scene, const Model& model) {
@@ -64,6 +69,9 @@ Method choose_method(const Scene& scene, const Model& model) {
     if (projective) {
       method.name = "chebyshev";
       method.reason = "the projective law has no potential to descend";
+    } else if (energy_ends(scene)) {
+      method.name = "lbfgs";
+      method.reason = "an energy error is judged by a line search";
     } else if (has(model, Law::basis) && stiffens(model)) {
       method.name = "newton";
       method.reason = "a law over basis functions stiffens with stretch, beyond what sweeps are bounded by";
@@ -86,6 +94,7 @@ Method choose_method(const Scene& scene, const Model& model) {
         "solve with; choose chebyshev, lbfgs or direct, or law = \"corotated\"");
   method.line_search = method.name == "newton" || method.name == "lbfgs" || method.name == "direct";
   method.potential = method.line_search && !projective && !slips_with_friction(scene, model);
+  if (method.potential) method.energy_tolerance = scene.solver.energy_tolerance.value_or(0);
   if (method.name == "direct") {
     method.preconditioner = "direct";
   } else if (method.line_search) {

@@ -23,8 +23,9 @@ struct Method {
   std::string preconditioner; ///< "diagonal", "multilevel", "direct"; empty where the method has none
   std::string reason;         ///< why auto chose it; empty where the scene named it
   double stiffness_number = 0;
-  bool line_search = false; ///< evaluates and cuts steps
-  bool potential = false;   ///< every term of the scene derives from one
+  bool line_search = false;    ///< evaluates and cuts steps
+  bool potential = false;      ///< every term of the scene derives from one
+  double energy_tolerance = 0; ///< what ends a step; 0: the residual's tolerance does
 };
 
 /// Throws Error(usage) where the scene names a method that its law does not have.

@@ -94,6 +94,9 @@ public:
       for (const BufferSpec& spec : needs.buffers) buffer(spec.name, spec.type, spec.count);
       for (const KernelSpec& spec : needs.kernels) kernel(spec);
     }
+    begin("turning bonds", plan_.method.preconditioner == "multilevel" && turns_bonds(model_));
+    buffer("rotation", Type::real4, n_);
+    kernels<kernels::bond_rotation::Args>();
     begin("direct", plan_.method.preconditioner == "direct");
     begin("newton", method == "newton");
     buffer("direction", Type::real4, n_);

@@ -122,10 +122,10 @@ unsigned sample_after(unsigned n) {
   return n + std::max(1u, n / 5);
 }
 
-/// The largest of a point's errors that are numbers.
+/// The largest of a point's errors that are numbers; energies go as squares, and to 1e-8.
 double worst(const ConvergePoint& point) {
   const double rest = std::max(point.position_rms, point.residual);
-  return point.energy_error > rest ? point.energy_error : rest;
+  return 100 * point.energy_error > rest ? 100 * point.energy_error : rest;
 }
 
 /// Wall time of a solve, stopped while errors are computed.

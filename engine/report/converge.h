@@ -90,14 +90,16 @@ struct ConvergeReport {
 ConvergeReport converge_step(const Scene& scene, const ConvergeOptions& options);
 
 inline constexpr std::array<double, 6> converge_errors{1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
+inline constexpr std::array<double, 6> converge_energy_errors{1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8};
 /// ms from which on this error stays at or below `limit`; nothing where that never comes.
 std::optional<double> time_to(const ConvergeSeries& series, double ConvergePoint::*error, double limit);
 
 std::string converge_text(const ConvergeReport& report);
 nlohmann::json converge_json(const ConvergeReport& report);
 std::string converge_csv(const ConvergeReport& report);
-/// converge.csv, .json, .svg, .png (position error) and converge-residual.svg, .png; with `energy` plots
-/// where there is a potential. Returns the paths. Throws Error(input_output).
+/// converge.csv, .json, .svg, .png (position error) and converge-residual.svg, .png; with
+/// converge-energy and, against iterations, converge-energy-iterations where there is a potential. Returns
+/// the paths. Throws Error(input_output).
 std::vector<std::filesystem::path> write_converge(const ConvergeReport& report,
                                                   const std::filesystem::path& folder);
 

@@ -34,7 +34,7 @@ public:
   double time_step() const { return judge_->time_step(); }
   const DeviceInfo& device() const { return device_->info(); }
   /// Errors of an end of the step; iteration and ms are left to the caller.
-  ConvergePoint errors(const std::vector<Vector3>& positions);
+  ConvergePoint errors(std::vector<Vector3> positions);
 
 private:
   void find_state(const Scene& scene, const ConvergeOptions& options);

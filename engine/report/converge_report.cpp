@@ -54,9 +54,10 @@ nlohmann::json number(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
 }
 
-nlohmann::json times_json(const ConvergeSeries& series, double ConvergePoint::*error) {
+template <class Limits>
+nlohmann::json times_json(const ConvergeSeries& series, double ConvergePoint::*error, const Limits& limits) {
   nlohmann::json times = nlohmann::json::object();
-  for (const double limit : converge_errors) {
+  for (const double limit : limits) {
     const std::optional<double> ms = time_to(series, error, limit);
     times[fmt::format("1e-{}", std::lround(-std::log10(limit)))] =
         ms ? nlohmann::json(*ms) : nlohmann::json();
@@ -65,11 +66,11 @@ nlohmann::json times_json(const ConvergeSeries& series, double ConvergePoint::*e
 }
 
 // A colour a method, a dash and a marker a device.
-Plot plot_of(const ConvergeReport& r, const Kind& kind, const std::string& title) {
+Plot plot_of(const ConvergeReport& r, const Kind& kind, const std::string& title, bool by_time = true) {
   Plot plot;
   plot.title = fmt::format("{}: {}, step {}, {} particles, eta {:.3g}", r.scene, title, r.step + 1,
                            r.particles, r.stiffness_number);
-  plot.x_label = "run time of the step (ms)";
+  plot.x_label = by_time ? "run time of the step (ms)" : "iterations (evaluations and products)";
   plot.y_label = kind.name;
   plot.log_x = plot.log_y = true;
   plot.width = 1200, plot.height = 720;
@@ -90,7 +91,7 @@ Plot plot_of(const ConvergeReport& r, const Kind& kind, const std::string& title
     curve.style.dashed = static_cast<unsigned>(place);
     for (const ConvergePoint& point : one.points) {
       if (point.iteration == 0) continue; // the same for all
-      curve.x.push_back(point.ms);
+      curve.x.push_back(by_time ? point.ms : point.iteration);
       curve.y.push_back(point.*kind.error);
     }
     plot.series.push_back(std::move(curve));
@@ -138,7 +139,7 @@ std::string converge_text(const ConvergeReport& r) {
   text += table(r, position, converge_errors);
   text += table(r, largest, std::array{1e-1, 1e-2, 1e-3});
   text += table(r, residual, converge_errors);
-  if (has_energy(r)) text += table(r, energy, converge_errors);
+  if (has_energy(r)) text += table(r, energy, converge_energy_errors);
   text += fmt::format("\n  {:<33}{:>10}{:>12}{:>10}{:>8}  {}\n", "", "set-up ms", "iterations", "ms each",
                       "passes", "ended at");
   for (const ConvergeSeries& series : r.series) {
@@ -175,10 +176,10 @@ nlohmann::json converge_json(const ConvergeReport& r) {
                    {"end", series.end},
                    {"points", points},
                    {"time_to",
-                    {{"residual", times_json(series, residual.error)},
-                     {"energy", times_json(series, energy.error)},
-                     {"position", times_json(series, position.error)},
-                     {"position_max", times_json(series, largest.error)}}}});
+                    {{"residual", times_json(series, residual.error, converge_errors)},
+                     {"energy", times_json(series, energy.error, converge_energy_errors)},
+                     {"position", times_json(series, position.error, converge_errors)},
+                     {"position_max", times_json(series, largest.error, converge_errors)}}}});
   }
   const ConvergeReference& ref = r.reference;
   return {{"scene", r.scene},
@@ -237,6 +238,9 @@ std::vector<std::filesystem::path> write_converge(const ConvergeReport& r,
   const Plot third = plot_of(r, energy, "energy error against run time");
   write_svg(third, add("converge-energy.svg"));
   write_png(third, add("converge-energy.png"));
+  const Plot fourth = plot_of(r, energy, "energy error against iterations", false); // their Fig. 7
+  write_svg(fourth, add("converge-energy-iterations.svg"));
+  write_png(fourth, add("converge-energy-iterations.png"));
   return files;
 }
 

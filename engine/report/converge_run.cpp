@@ -82,6 +82,7 @@ private:
   Scene tight_scene(double step) const {
     Scene scene = reference_scene(with_step(step), model_);
     scene.solver.tolerance = tight;
+    scene.solver.energy_tolerance.reset();
     scene.solver.iterations = 20'000;
     return scene;
   }
@@ -206,6 +207,7 @@ private:
       for (const double tolerance : tolerances) {
         Scene scene = with_step(report_.steps[s].time_step);
         scene.solver.tolerance = tolerance;
+        scene.solver.energy_tolerance.reset();
         if (!timed(scene, s, {.time_step = report_.steps[s].time_step, .tolerance = tolerance}, left() / 6))
           break;
       }

@@ -224,6 +224,9 @@ bool Run::stretch(Progress& progress) {
          spent[k],
          simulation_->plan().failure
              ? std::optional(std::array{static_cast<double>(row.broken_bonds), row.fracture_energy})
+             : std::nullopt,
+         simulation_->plan().method.potential
+             ? std::optional(std::array{row.energy_error, static_cast<double>(row.energy_rises)})
              : std::nullopt});
   }
   return !rows.empty();

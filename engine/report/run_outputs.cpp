@@ -79,7 +79,8 @@ std::vector<BodyOutput> RunOutputs::blocks() const {
 void RunOutputs::open() {
   prepare_output_folder(folder_);
   if (renderer_) fs::create_directories(folder_ / "frames");
-  statistics_ = std::make_unique<StatisticsWriter>(folder_ / "statistics.csv", components_);
+  statistics_ = std::make_unique<StatisticsWriter>(folder_ / "statistics.csv", components_,
+                                                   simulation_.plan().method.potential);
   if (scene_.output.data) writer_ = std::make_unique<RunWriter>(folder_, blocks(), scene_.output.fps);
   if (video_ && renderer_)
     film_ = std::make_unique<Film>(folder_ / "film.mp4", scene_.render.size[0], scene_.render.size[1],
@@ -94,7 +95,8 @@ void RunOutputs::resume(const RunProgress& progress) {
   if (progress.data.has_value() != scene_.output.data)
     throw Error(ExitCode::input_output, "the checkpoint and the scene do not agree on run.vtkhdf");
   statistics_ =
-      std::make_unique<StatisticsWriter>(folder_ / "statistics.csv", components_, progress.statistics_bytes);
+      std::make_unique<StatisticsWriter>(folder_ / "statistics.csv", components_,
+                                         simulation_.plan().method.potential, progress.statistics_bytes);
   rows_ = read_statistics(folder_ / "statistics.csv");
   if (progress.data)
     writer_ = std::make_unique<RunWriter>(folder_, blocks(), scene_.output.fps, *progress.data);

@@ -70,10 +70,12 @@ public:
     report_.scene = scene_.name;
     report_.particles = model_.count();
     report_.bonds = model_.bonds.count();
-    report_.iterations = options_.iterations;
-    options_.say(fmt::format("{}: {} particles, {} bonds; {} steps of {} iterations, stretches of {}",
-                             scene_.name, report_.particles, report_.bonds, options_.steps,
-                             options_.iterations, options_.every));
+    report_.iterations = scene_.solver.fixed_iterations ? options_.iterations : 0;
+    options_.say(fmt::format("{}: {} particles, {} bonds; {} steps {}, stretches of {}", scene_.name,
+                             report_.particles, report_.bonds, options_.steps,
+                             report_.iterations > 0 ? fmt::format("of {} iterations", report_.iterations)
+                                                    : "that are solved",
+                             options_.every));
     master();
     const std::vector<Fields> on_cpu = contender("openmp float", {"openmp"}, nullptr);
     for (const DeviceListing& listing : list_devices()) {
@@ -251,11 +253,15 @@ VerifyReport verify_scene(Scene scene, const VerifyOptions& options) {
                 fmt::format("{} steps are no whole number of stretches of {}: choose --steps as a multiple "
                             "of --every",
                             options.steps, options.every));
-  scene.solver.iterations = options.iterations;
-  scene.solver.fixed_iterations = true;
-  // Sweeps without a decision between them: a line search cut off in its middle makes another step of one
-  // rounding.
-  if (scene.solver.method == "auto") scene.solver.method = "chebyshev";
+  std::string& method = scene.solver.method;
+  if (method == "auto") method = "chebyshev"; // sweeps without a decision between them
+  scene.solver.fixed_iterations = method != "newton" && method != "lbfgs" && method != "direct";
+  if (scene.solver.fixed_iterations) {
+    scene.solver.iterations = options.iterations;
+  } else {
+    scene.solver.tolerance = verify_tolerance;
+    scene.solver.energy_tolerance.reset();
+  }
   return Verification(scene, options).run();
 }
 

@@ -168,9 +168,13 @@ struct SimulationSettings {
 };
 
 struct SolverSettings {
-  std::string method = "auto";               ///< see engine/plan/method.h
-  std::string preconditioner = "auto";       ///< of lbfgs and newton
-  double tolerance = 1e-3;                   ///< relative residual
+  std::string method = "auto";         ///< see engine/plan/method.h
+  std::string preconditioner = "auto"; ///< of lbfgs and newton
+  double tolerance = 1e-3;             ///< relative residual
+  /// Of Eq. 25 of Xu et al. (2018): what ends a step instead of `tolerance`, where there is a line search on
+  /// a potential.
+  std::optional<double> energy_tolerance;
+  bool energy_assumed = false;               ///< no key: it was not typed, the material laws ask for it
   unsigned iterations = 1000;                ///< a cap
   std::string integrator = "implicit-euler"; ///< or "bdf2"
   double under_relaxation = 0.9;             ///< of each Jacobi update, 0 to 1

@@ -49,6 +49,16 @@ const Table& solver_table() {
         .range = {.low = 1e-12,
                   .high = 1,
                   .why = "less than 1e-12 is lost in rounding even in double precision"}},
+       {.name = "energy_tolerance",
+        .meaning =
+            "relative energy error at which a step is solved, in place of tolerance; by default 1e-4 for "
+            "materials of law basis, stvk and neo-hookean, else none",
+        .slot = at<&S::energy_tolerance>,
+        .range = {.low = 1e-10,
+                  .high = 0.1,
+                  .why = "the sum that it is a share of is known to some 1e-12 in double precision, and a "
+                         "float's slopes reach about 1e-6"},
+        .example = "1e-4"},
        {.name = "iterations",
         .meaning = "a cap; reaching it is reported",
         .slot = at<&S::iterations>,

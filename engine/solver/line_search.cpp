@@ -48,7 +48,8 @@ void LineSearch::judge(unsigned k, bool restart) {
       .partial_count = static_cast<std::uint32_t>(s.solve_partial.count() / 2),
       .cap = bounds_.cap,
       .restart = restart,
-      .tolerance = settings.fixed_iterations ? 0 : settings.tolerance,
+      .tolerance =
+          settings.fixed_iterations || context_.plan.method.energy_tolerance > 0 ? 0 : settings.tolerance,
       .floor_residual = settings.fixed_iterations ? 0 : bounds_.floor,
       .rounding = settings.fixed_iterations ? 0 : bounds_.rounding,
       // A sum of n terms of one sign, by groups: a few tens of roundings.

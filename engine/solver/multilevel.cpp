@@ -2,7 +2,9 @@
 #include "engine/solver/multilevel.h"
 
 #include "engine/solver/contact.h"
+#include "engine/solver/elasticity.h"
 #include "engine/solver/state.h"
+#include "kernels/bond_rotation.h"
 #include "kernels/coarse_contact.h"
 #include "kernels/coarse_factor.h"
 #include "kernels/coarse_interpolate.h"
@@ -13,6 +15,8 @@
 #include "kernels/coarse_sweep.h"
 #include "kernels/precondition.h"
 
+#include <algorithm>
+
 namespace pliant {
 
 namespace {
@@ -22,13 +26,24 @@ constexpr const char* component = "preconditioner";
 /// times the matrix, which is 2.6 at a Poisson's ratio of .3 and a little over 5 at .499.
 constexpr double relaxation = 0.38;
 
+bool has_rotation(const LawRange& range) {
+  return range.count > 0 && (range.law == Law::corotated || range.law == Law::neo_hookean);
+}
+
 bool rotates(const Model& model) {
-  for (const LawRange& range : model.laws)
-    if ((range.law == Law::corotated || range.law == Law::neo_hookean) && range.count > 0) return true;
-  return false;
+  return turns_bonds(model) || std::any_of(model.laws.begin(), model.laws.end(), has_rotation);
 }
 
 } // namespace
+
+bool turns_bonds(const LawRange& range) {
+  return range.count > 0 && !has_rotation(range) && range.law != Law::projective;
+}
+
+bool turns_bonds(const Model& model) {
+  return std::any_of(model.laws.begin(), model.laws.end(),
+                     [](const LawRange& range) { return turns_bonds(range); });
+}
 
 MultilevelPlan plan_multilevel(const Hierarchy& h, const Model& model, const ContactPlan& contacts) {
   MultilevelPlan plan;
@@ -114,6 +129,20 @@ void Multilevel::refresh() {
   Device& device = context_.device;
   const SimulationState& s = context_.state;
   device.enter(component);
+  for (const LawRange& range : context_.model.laws)
+    if (turns_bonds(range))
+      device.run(kernels::bond_rotation::Args{.threads = range.count,
+                                              .first = range.first,
+                                              .first_slice = range.first_slice,
+                                              .unit = context_.elasticity.unit(),
+                                              .slice_begin = s.slice_begin,
+                                              .bond = s.bond,
+                                              .weight = s.weight,
+                                              .position = s.position,
+                                              .displacement = s.best_iterate,
+                                              .shape = s.shape,
+                                              .rotation = s.rotation,
+                                              .solver = s.solver});
   for (std::size_t l = 0; l < hierarchy_.levels.size(); ++l) {
     const HierarchyLevel& level = hierarchy_.levels[l];
     if (rotated_)

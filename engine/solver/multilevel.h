@@ -19,6 +19,10 @@ struct MultilevelPlan {
 };
 MultilevelPlan plan_multilevel(const Hierarchy& hierarchy, const Model& model, const ContactPlan& contacts);
 
+/// Whether neighbourhoods of bonds, whose law has no rotation, get one for the coarse elements.
+bool turns_bonds(const LawRange& range);
+bool turns_bonds(const Model& model);
+
 class Multilevel : public Preconditioner {
 public:
   explicit Multilevel(const SolveContext& context);

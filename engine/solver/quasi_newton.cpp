@@ -54,16 +54,17 @@ void QuasiNewton::apply(unsigned k, bool, bool restart) {
                                            .solver = s.solver,
                                            .history = s.history,
                                            .history_partial = s.history_partial});
-  device.run(
-      kernels::history_control::Args{.threads = kernels::history_control::group_size,
-                                     .remembers = remembers_,
-                                     .partial_count = static_cast<std::uint32_t>(s.solve_partial.count() / 2),
-                                     .forget = anew,
-                                     .first_length = first_length_,
-                                     .solve_partial = s.solve_partial,
-                                     .history_partial = s.history_partial,
-                                     .gram = s.gram,
-                                     .solver = s.solver});
+  device.run(kernels::history_control::Args{
+      .threads = kernels::history_control::group_size,
+      .remembers = remembers_,
+      .partial_count = static_cast<std::uint32_t>(s.solve_partial.count() / 2),
+      .forget = anew,
+      .first_length = first_length_,
+      .energy_tolerance = context_.scene.solver.fixed_iterations ? 0 : context_.plan.method.energy_tolerance,
+      .solve_partial = s.solve_partial,
+      .history_partial = s.history_partial,
+      .gram = s.gram,
+      .solver = s.solver});
   device.run(kernels::history_direction::Args{.threads = n,
                                               .remembers = remembers_,
                                               .stride = n,

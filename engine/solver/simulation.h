@@ -43,6 +43,9 @@ struct StepStatistics {
   std::size_t not_finite = 0;                    ///< particles
   std::size_t broken_bonds = 0;                  ///< so far
   double fracture_energy = 0;                    ///< J, so far: what broken bonds held when they broke
+  // Of a line search on a potential.
+  double energy_error = 0;   ///< estimated, of Eq. 25 (Xu et al. 2018); 1 where nothing asked for it
+  unsigned energy_rises = 0; ///< iterates taken though the potential rose by more than the precision can tell
 };
 
 /// Everything that a later step depends on, in double and world coordinates, in the model's order.

@@ -68,6 +68,10 @@ StepStatistics Simulation::row(std::span<const std::byte> bytes, std::uint64_t s
   s.iterations = static_cast<unsigned>(value[11]);
   s.restarts = static_cast<unsigned>(value[12]);
   s.reason = static_cast<StopReason>(static_cast<int>(value[13]));
+  if (plan_.method.potential) {
+    s.energy_rises = static_cast<unsigned>(value[14]);
+    s.energy_error = value[15];
+  }
   return s;
 }
 
@@ -89,6 +93,8 @@ StepStatistics joined(const StepStatistics& earlier, const StepStatistics& later
   StepStatistics both = later;
   both.iterations += earlier.iterations;
   both.restarts += earlier.restarts;
+  both.energy_rises += earlier.energy_rises;
+  both.energy_error = std::max(earlier.energy_error, later.energy_error);
   both.reason = std::max(earlier.reason, later.reason);
   both.residual = std::max(earlier.residual, later.residual);
   both.largest_speed = std::max(earlier.largest_speed, later.largest_speed);

@@ -44,7 +44,7 @@ std::string refusal(const std::filesystem::path& folder) {
 TEST(Statistics, RowsReadBackAsTheSameDoubles) {
   ScratchFolder folder;
   const auto path = folder.path / "statistics.csv";
-  StatisticsWriter writer(path, {"elasticity", "contacts"});
+  StatisticsWriter writer(path, {"elasticity", "contacts"}, false);
   const StatisticsRow row = {7,    1.0 / 30,      12, 1e-3 / 3, "floor", 0.1, 2e-300, {-0.0, 1.0 / 3, 1e22},
                              3.25, {0.1 + 0.2, 5}};
   writer.append(row);
@@ -66,6 +66,28 @@ TEST(Statistics, RowsReadBackAsTheSameDoubles) {
   EXPECT_THROW(writer.append({}), Error); // no components
 }
 
+// Columns that only some scenes have stand last, and are read back where they are.
+TEST(Statistics, ColumnsOfBreakingBondsAndOfEnergies) {
+  for (const bool breaks : {false, true})
+    for (const bool energies : {false, true}) {
+      ScratchFolder folder;
+      const auto path = folder.path / "statistics.csv";
+      const std::vector<std::string> components{breaks ? "failure" : "motion"};
+      StatisticsRow row = {7, 0.5, 12, 1e-3, "tolerance", 0.1, 0.2, {1, 2, 3}, 3.25, {5}};
+      if (breaks) row.fracture = {41, 0.25};
+      if (energies) row.energy = {1.0 / 3e5, 0};
+      StatisticsWriter(path, components, energies).append(row);
+      const auto lines = split(read_text_file(path), '\n');
+      EXPECT_EQ(lines[0].find(",broken_bonds,fracture_energy") != std::string::npos, breaks);
+      EXPECT_EQ(lines[0].find(",energy_error,energy_rises") != std::string::npos, energies);
+      const std::vector<StatisticsRow> read = read_statistics(path);
+      ASSERT_EQ(read.size(), 1u);
+      EXPECT_EQ(read[0].fracture, row.fracture);
+      EXPECT_EQ(read[0].energy, row.energy);
+      EXPECT_EQ(read[0].ms_components, row.ms_components);
+    }
+}
+
 TEST(Statistics, AFullDiskTakesBackTheHalfRow) {
   ScratchFolder folder;
   const auto path = folder.path / "statistics.csv";
@@ -76,7 +98,7 @@ TEST(Statistics, AFullDiskTakesBackTheHalfRow) {
     ::setrlimit(RLIMIT_FSIZE, &limit);
     int status = 0;
     try {
-      StatisticsWriter writer(path, {});
+      StatisticsWriter writer(path, {}, false);
       for (std::uint64_t k = 0; k < 100; ++k)
         writer.append({k, 0.125, 3, 0.5, "cap", 1, 2, {3, 4, 5}, 6, {}});
     } catch (const Error& error) {

@@ -2,6 +2,7 @@
 #include "kernels/conjugate_control.h"
 #include "kernels/conjugate_direction.h"
 #include "kernels/conjugate_update.h"
+#include "shaders/common/energy_error.glsl"
 #include "shaders/common/solver.glsl"
 #include "tests/support/kernel_particles.h"
 
@@ -32,7 +33,8 @@ std::vector<double> under_way() {
 }
 
 void expect_case(const DeviceChoice& choice, const char* name, bool after, double found,
-                 const Changes& before, const Changes& changes, double cap = 50) {
+                 const Changes& before, const Changes& changes, double cap = 50,
+                 double energy_tolerance = 0) {
   SCOPED_TRACE(name);
   std::vector<double> solver = under_way();
   for (const auto& [entry, value] : before) solver[entry] = value;
@@ -45,6 +47,7 @@ void expect_case(const DeviceChoice& choice, const char* name, bool after, doubl
       {{"after", {double(after)}},
        {"partial_count", {2}},
        {"cap", {cap}},
+       {"energy_tolerance", {energy_tolerance}},
        {"solve_partial", {found - 1, 5, 5, 5, 1, 5, 5, 5, sentinel, 0, 0, 0}},
        {"solver", solver}},
       {{"solver", wanted}}, limit);
@@ -89,6 +92,35 @@ TEST_P(Conjugate, AfterTheProduct) {
                 with(complete, {{SOLVER_CG_STEP, 1}, {SOLVER_SLOPE, 16}, {SOLVER_CONVEX, 4}}));
   }
   expect_case(on, "no direction is wanted", true, 32, {{SOLVER_LINEAR, 0}, {SOLVER_ACTION, 2}}, {});
+}
+
+// The potential fell by 8 so far; the direction found so far, of slope 5, will add some 2.5.
+TEST_P(Conjugate, EnergyTolerance) {
+  const DeviceChoice& on = GetParam();
+  constexpr double tolerance = 0.0625;
+  const Changes first{{SOLVER_INNER, 0}, {SOLVER_FALL, 8}, {SOLVER_GAIN, 0.5}};
+  const Changes begun{{SOLVER_ACTION, 1}, {SOLVER_CG_KEEP, 0}, {SOLVER_SLOPE, 0}};
+  expect_case(on, "first, too much is left", false, 4, first,
+              with(begun, {{SOLVER_RZ, 4},
+                           {SOLVER_RZ_FIRST, 4},
+                           {SOLVER_RZ_ENOUGH, 4 * 0.01},
+                           {SOLVER_ENERGY_ERROR, 1. / 9}}),
+              50, tolerance);
+  expect_case(on, "first, little enough: the solve ends", false, 2, first,
+              {{SOLVER_LINEAR, 0}, {SOLVER_STOP, 1}, {SOLVER_REASON, 1}, {SOLVER_ENERGY_ERROR, 0.5 / 8.5}},
+              50, tolerance);
+  expect_case(on, "first, nothing is known of what r . z is worth", false, 2, with(first, {{SOLVER_GAIN, 0}}),
+              with(begun, {{SOLVER_RZ, 2}, {SOLVER_RZ_FIRST, 2}, {SOLVER_RZ_ENOUGH, 2 * 0.01}}), 50,
+              tolerance);
+  const Changes later{{SOLVER_FALL, 8}, {SOLVER_GAIN, 0.25}};
+  expect_case(on, "goes on", false, 4, later, {{SOLVER_ACTION, 1}, {SOLVER_CG_KEEP, 0.25}, {SOLVER_RZ, 4}},
+              50, tolerance);
+  expect_case(on, "what is left is half as little", false, 2.5, later, complete, 50, tolerance);
+  const Changes step{{SOLVER_ACTION, 1}, {SOLVER_CG_STEP, 0.5}, {SOLVER_SLOPE, 13}, {SOLVER_INNER, 3}};
+  expect_case(on, "a long step", true, 32, with(later, {{SOLVER_RZ_FIRST, 64}}),
+              with(step, {{SOLVER_GAIN, 0.5}}), 50, tolerance);
+  expect_case(on, "all steps together", true, 32, with(later, {{SOLVER_RZ_FIRST, 16}}),
+              with(step, {{SOLVER_GAIN, 13. / 16}}), 50, tolerance);
 }
 
 TEST_P(Conjugate, DirectionAndUpdate) {

@@ -4,6 +4,7 @@
 #include "kernels/history_direction.h"
 #include "kernels/history_dots.h"
 #include "kernels/history_store.h"
+#include "shaders/common/energy_error.glsl"
 #include "shaders/common/solver.glsl"
 #include "tests/support/kernel_particles.h"
 
@@ -142,6 +143,41 @@ TEST_P(History, IsTwoLoops) {
     r_best = r;
     u_best = u;
     u = u_best + 0.5 * wanted + 0.05 * draw(-1, 1); // another step than the one proposed
+  }
+}
+
+// r . z = 4 in all, a quarter of it is the slope: half of that may be gained, or what falls let
+// expect: four times the larger, 2.
+TEST_P(History, EnergyTolerance) {
+  const std::unique_ptr<Device> device = GetParam().open();
+  const Buffer sums = device->allocate("sums", Type::real4, 1),
+               solver = device->allocate("solver", Type::real, SOLVER_ENTRIES);
+  device->upload(sums, std::vector<Real4<double>>{{4, 0, 0, 0}});
+  struct Case {
+    double fall, left, tolerance, error;
+  };
+  for (const Case& one : {Case{30, 0, 0.0625, 0.0625}, Case{30, 0, 0.0312, 0.0625},
+                          Case{30, 2.5, 0.0625, 0.25}, Case{0, 0, 0.0625, 1}, Case{30, 0, 0, 1}}) {
+    std::vector<double> state(SOLVER_ENTRIES, 0.0);
+    state[SOLVER_LINEAR] = 1;
+    state[SOLVER_STOP] = 0.5;
+    state[SOLVER_ENERGY_ERROR] = 1;
+    state[SOLVER_FALL] = one.fall;
+    state[SOLVER_LEFT] = one.left;
+    device->upload(solver, state);
+    device->run(kernels::history_control::Args{.threads = kernels::history_control::group_size,
+                                               .partial_count = 1,
+                                               .first_length = 0.25,
+                                               .energy_tolerance = one.tolerance,
+                                               .solve_partial = sums,
+                                               .solver = solver});
+    state = device->download_real(solver);
+    const bool ends = one.error <= one.tolerance;
+    EXPECT_EQ(state[SOLVER_ENERGY_ERROR], one.error);
+    EXPECT_EQ(state[SOLVER_STOP], ends);
+    EXPECT_EQ(state[SOLVER_REASON], ends);
+    EXPECT_EQ(state[SOLVER_ACTION], !ends);
+    EXPECT_EQ(state[SOLVER_LINEAR], 0);
   }
 }
 

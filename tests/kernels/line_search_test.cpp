@@ -3,6 +3,7 @@
 #include "kernels/line_control.h"
 #include "kernels/line_restart.h"
 #include "kernels/residual.h"
+#include "shaders/common/energy_error.glsl"
 #include "shaders/common/solver.glsl"
 #include "tests/support/kernel_particles.h"
 
@@ -118,6 +119,9 @@ std::vector<double> trying() {
   solver[SOLVER_COUNT] = 10;
   solver[SOLVER_INNER] = 3;
   solver[SOLVER_TAKEN] = 1;
+  solver[SOLVER_FALL] = 100;
+  solver[SOLVER_LAST_FALL] = 8;
+  solver[SOLVER_RISES] = 0;
   return solver;
 }
 
@@ -129,6 +133,27 @@ struct Case {
   double momentum = 1024, moved = 0; ///< what momentum alone would leave, sqrt(D) |u|
   Changes before = {}, after = {};
 };
+
+// The books of Eq. 25 of a step that was tried and taken, and of the first evaluation.
+void expect_fall(Expected& wanted, const std::vector<double>& solver, const Case& one) {
+  if (one.iteration == 0) {
+    for (const int entry :
+         {SOLVER_RISES, SOLVER_FALL, SOLVER_LAST_FALL, SOLVER_LEFT, SOLVER_GAIN, SOLVER_ENERGY_ERROR})
+      wanted.set(static_cast<std::size_t>(entry), entry == SOLVER_ENERGY_ERROR);
+    return;
+  }
+  if (one.after.count(SOLVER_TAKEN) == 0 || one.restart != 0 || solver[SOLVER_RETURN] > 0 ||
+      solver[SOLVER_TRIAL] > 0)
+    return;
+  const double change = one.phi - solver[SOLVER_POTENTIAL], low = 0.0078125,
+               least = rounded(1e-5) * (one.phi + solver[SOLVER_POTENTIAL]) + 64 * low * low;
+  const double slopes = (solver[SOLVER_LENGTH] * solver[SOLVER_SLOPE] + one.steep) / 2;
+  const double fall = std::max(0.0, std::abs(change) > 16 * least ? -change : slopes);
+  const double ratio = std::min(0.9, fall / solver[SOLVER_LAST_FALL]);
+  wanted.set(SOLVER_FALL, solver[SOLVER_FALL] + fall, 128);
+  wanted.set(SOLVER_LAST_FALL, fall, 16);
+  wanted.set(SOLVER_LEFT, fall * ratio / (1 - ratio), 16 * 100);
+}
 
 void expect_case(const DeviceChoice& choice, const char* name, const Case& one) {
   SCOPED_TRACE(name);
@@ -144,6 +169,7 @@ void expect_case(const DeviceChoice& choice, const char* name, const Case& one) 
     wanted.set(SOLVER_FLOOR, 0.0078125);
     if (one.iteration == 0) wanted.set(SOLVER_SCALE, one.momentum, one.momentum);
   }
+  if (one.potential) expect_fall(wanted, solver, one);
   for (const auto& [entry, value] : one.after)
     wanted.set(entry, value, std::isfinite(value) ? std::abs(value) : 0);
   // In two groups, so that sums are sums.

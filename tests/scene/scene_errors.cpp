@@ -134,12 +134,42 @@ TEST(SceneErrors, DeformedRegions) {
               HasSubstr("body.0.deformed.0 must be a table"));
 }
 
+// Eq. 25 needs a potential, and a line search that sees it fall.
+TEST(SceneErrors, AnEnergyErrorThatNothingJudges) {
+  const std::string asked = "solver.energy_tolerance=1e-4";
+  for (const char* method : {"chebyshev", "jacobi", "position"})
+    EXPECT_THAT(complaint(small_scene, {std::string("solver.method=") + method, asked}),
+                AllOf(HasSubstr("--set " + asked), HasSubstr(std::string(method) + " has no line search"),
+                      HasSubstr("type solver.tolerance instead")));
+  EXPECT_THAT(
+      complaint(small_scene, {"materials.rubber.law=projective", "materials.rubber.poisson=0.25", asked}),
+      HasSubstr("the projective law has no potential"));
+  EXPECT_THAT(complaint(small_scene, {"contact.self=true", "contact.friction=0.1", asked}),
+              HasSubstr("slipping with friction has no potential"));
+  EXPECT_EQ(complaint(small_scene, {"contact.self=true", "contact.friction=0", asked}), "");
+}
+
+// Nonlinear laws end at 1e-4 of it where no tolerance is typed, as Xu et al. (2018) do.
+TEST(SceneErrors, TheEnergyErrorThatIsAssumed) {
+  EXPECT_EQ(parsed(small_scene, {}).solver.energy_tolerance, std::nullopt);
+  const Scene assumed = parsed(small_scene, {"materials.rubber.law=stvk"});
+  EXPECT_EQ(assumed.solver.energy_tolerance, 1e-4);
+  EXPECT_TRUE(assumed.solver.energy_assumed);
+  EXPECT_EQ(
+      parsed(small_scene, {"materials.rubber.law=stvk", "solver.tolerance=1e-3"}).solver.energy_tolerance,
+      std::nullopt);
+  const Scene typed = parsed(small_scene, {"materials.rubber.law=stvk", "solver.energy_tolerance=1e-6"});
+  EXPECT_EQ(typed.solver.energy_tolerance, 1e-6);
+  EXPECT_FALSE(typed.solver.energy_assumed);
+}
+
 TEST(SceneErrors, SettingsRanges) {
   const auto with = [](const char* set) { return complaint(small_scene, {set}); };
   EXPECT_THAT(with("simulation.time_step=0"), HasSubstr("must be above 0 (s)"));
   EXPECT_THAT(with("simulation.end=-1"), HasSubstr("must be above 0 (s)"));
   EXPECT_THAT(with("output.fps=0"), HasSubstr("must be above 0 (1/s)"));
   EXPECT_THAT(with("solver.tolerance=1e-13"), HasSubstr("1e-12 to 1"));
+  EXPECT_THAT(with("solver.energy_tolerance=1e-11"), HasSubstr("1e-10 to 0.1"));
   EXPECT_THAT(with("solver.iterations=0"), HasSubstr("1 to 1000000"));
   EXPECT_THAT(with("solver.iterations=1000001"), HasSubstr("1 to 1000000"));
   EXPECT_THAT(with("solver.iterations=-1"), HasSubstr("1 to 1000000"));

@@ -2,6 +2,7 @@
 #include "kernels/conjugate_control.h"
 #include "backends/openmp/body.h"
 #include "backends/openmp/math.h"
+#include "shaders/common/energy_error.glsl"
 #include "shaders/common/solver.glsl"
 
 namespace pliant::openmp::PLIANT_ISA {
@@ -26,6 +27,9 @@ template <class real> void conjugate_control(const kernels::conjugate_control::V
       solver[SOLVER_CG_STEP] = step;
       solver[SOLVER_SLOPE] += step * rz; // r_first . p = r . z along conjugate directions
       solver[SOLVER_INNER] += 1;
+      if (k.energy_tolerance > 0)
+        solver[SOLVER_GAIN] =
+            larger(solver[SOLVER_GAIN], larger(step, solver[SOLVER_SLOPE] / solver[SOLVER_RZ_FIRST]));
       complete = solver[SOLVER_COUNT] >= static_cast<real>(k.cap) || solver[SOLVER_CAUTIOUS] > 0;
     } else {
       solver[SOLVER_CONVEX] = solver[SOLVER_BEST];
@@ -41,12 +45,28 @@ template <class real> void conjugate_control(const kernels::conjugate_control::V
       solver[SOLVER_REASON] = exhausted ? real(3) : real(4);
       return;
     }
+    if (k.energy_tolerance > 0) {
+      const real left = solver[SOLVER_GAIN] * found / 2;
+      if (left > 0 && solver[SOLVER_FALL] > 0) {
+        solver[SOLVER_ENERGY_ERROR] = left / (solver[SOLVER_FALL] + left);
+        if (solver[SOLVER_ENERGY_ERROR] <= k.energy_tolerance) {
+          solver[SOLVER_LINEAR] = 0;
+          solver[SOLVER_STOP] = 1;
+          solver[SOLVER_REASON] = 1;
+          return;
+        }
+      }
+      solver[SOLVER_RZ_FIRST] = found;
+    }
     const real forcing = smaller(real(0.1), root(solver[SOLVER_BEST] / solver[SOLVER_FIRST]));
     solver[SOLVER_RZ_ENOUGH] = forcing * forcing * found;
     solver[SOLVER_SLOPE] = 0;
     solver[SOLVER_CG_KEEP] = 0;
     solver[SOLVER_RZ] = found;
-  } else if (found > solver[SOLVER_RZ_ENOUGH] && solver[SOLVER_COUNT] < static_cast<real>(k.cap)) {
+  } else if (found > solver[SOLVER_RZ_ENOUGH] && solver[SOLVER_COUNT] < static_cast<real>(k.cap) &&
+             !(k.energy_tolerance > 0 &&
+               solver[SOLVER_GAIN] * found <=
+                   k.energy_tolerance * (solver[SOLVER_FALL] + solver[SOLVER_SLOPE] / 2))) {
     solver[SOLVER_CG_KEEP] = found / solver[SOLVER_RZ];
     solver[SOLVER_RZ] = found;
   } else {

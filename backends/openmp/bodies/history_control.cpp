@@ -2,6 +2,7 @@
 #include "kernels/history_control.h"
 #include "backends/openmp/body.h"
 #include "backends/openmp/math.h"
+#include "shaders/common/energy_error.glsl"
 #include "shaders/common/solver.glsl"
 
 namespace pliant::openmp::PLIANT_ISA {
@@ -90,8 +91,17 @@ template <class real> void history_control(const kernels::history_control::View<
       for (uint i = 0; i < memory; ++i) solver[SOLVER_KEEP_STEP + i] = solver[SOLVER_KEEP_IMAGE + i] = 0;
     solver[SOLVER_HISTORY] = static_cast<real>(count);
   }
-  solver[SOLVER_ACTION] = 1;
   solver[SOLVER_LINEAR] = 0;
+  if (k.energy_tolerance > 0 && solver[SOLVER_FALL] > 0) {
+    const real left = 4 * larger(solver[SOLVER_SLOPE] / 2, solver[SOLVER_LEFT]);
+    solver[SOLVER_ENERGY_ERROR] = left / (solver[SOLVER_FALL] + left);
+    if (solver[SOLVER_ENERGY_ERROR] <= k.energy_tolerance) {
+      solver[SOLVER_STOP] = 1;
+      solver[SOLVER_REASON] = 1;
+      return;
+    }
+  }
+  solver[SOLVER_ACTION] = 1;
   solver[SOLVER_STOP] = 0;
 }
 

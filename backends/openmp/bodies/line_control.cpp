@@ -2,6 +2,7 @@
 #include "kernels/line_control.h"
 #include "backends/openmp/body.h"
 #include "backends/openmp/math.h"
+#include "shaders/common/energy_error.glsl"
 #include "shaders/common/solver.glsl"
 
 namespace pliant::openmp::PLIANT_ISA {
@@ -32,6 +33,11 @@ template <class real> void line_control(const kernels::line_control::View<real>&
     solver[SOLVER_SCALE] = root(impulse);
     solver[SOLVER_TRIAL] = 0;
     solver[SOLVER_CONVEX] = 0;
+    if (k.potential) {
+      solver[SOLVER_RISES] = 0;
+      solver[SOLVER_ENERGY_ERROR] = 1;
+      solver[SOLVER_FALL] = solver[SOLVER_LAST_FALL] = solver[SOLVER_LEFT] = solver[SOLVER_GAIN] = 0;
+    }
   }
   solver[SOLVER_COUNT] += 1;
   solver[SOLVER_CURRENT] = e;
@@ -59,9 +65,13 @@ template <class real> void line_control(const kernels::line_control::View<real>&
   bool taken = k.iteration == 0 || k.restart || solver[SOLVER_RETURN] > 0;
   const bool near_floor = k.potential && solver[SOLVER_BEST] <= 32 * low;
   bool blind = false; // the precision cannot tell what the step did
-  if (!taken && finite) {
+  real fall = 0, rise = 0;
+  const bool tried = !taken && finite;
+  if (tried) {
     const real before = solver[SOLVER_POTENTIAL], change = phi - before;
     const real least = k.noise * (magnitude(phi) + magnitude(before)) + 64 * low * low;
+    rise = change > least ? real(1) : real(0);
+    fall = magnitude(change) > 16 * least ? -change : (length * slope + sums.z) / 2;
     blind = !k.potential || !(magnitude(change) > least);
     if (!blind)
       taken = change <= real(-1e-4) * length * slope;
@@ -69,6 +79,16 @@ template <class real> void line_control(const kernels::line_control::View<real>&
       taken = (steep >= real(-0.8) * slope && !near_floor) || e < (1 - length / 4) * solver[SOLVER_BEST];
   }
   if (taken) {
+    if (k.potential && tried) {
+      solver[SOLVER_RISES] += rise;
+      fall = larger(fall, real(0));
+      const real last = solver[SOLVER_LAST_FALL];
+      // A first step tells nothing of the next.
+      const real ratio = last > 0 ? smaller(fall / last, real(0.9)) : real(0.9);
+      solver[SOLVER_FALL] += fall;
+      solver[SOLVER_LAST_FALL] = fall;
+      solver[SOLVER_LEFT] = fall * ratio / (1 - ratio);
+    }
     // What momentum alone would leave is the most that a tolerance should be measured against.
     const real most = smaller(e, solver[SOLVER_SCALE]);
     if (k.restart && finite && k.iteration > 0) solver[SOLVER_FIRST] = larger(most, solver[SOLVER_FIRST]);
