@@ -42,7 +42,7 @@ TEST(HyperelasticFigure, BarsUnderOneForceStretchAsTheirBasesSay) {
       example_scene("stretching", {"simulation.spacing=0.025", "simulation.time_step=0.2", "output.fps=5",
                                    "simulation.end=2.4", "solver.tolerance=1e-4"});
   const Model model = assemble(scene);
-  const auto open = open_double(2);
+  const auto open = open_double();
   Simulation simulation(*open, scene, model);
   const Points y = run_scene(simulation, scene);
   const double wanted = 700 / 0.01;
@@ -71,10 +71,10 @@ TEST(HyperelasticFigure, BarsUnderOneForceStretchAsTheirBasesSay) {
 // Fig. 5. A_n grows without bound as matter is compressed: the least volume of a neighbourhood is larger.
 // Deep inside, where a neighbourhood is full: what a claw of one or two particles spans says little.
 TEST(HyperelasticFigure, AnArmadilloOfA4IsCompressedLess) {
-  const Scene scene = example_scene("armadillo-nonlinear", {"simulation.spacing=0.05", "simulation.end=0.7"});
+  const Scene scene = example_scene("armadillo-nonlinear", {"simulation.spacing=0.05", "simulation.end=0.5"});
   if (!missing_mesh(scene).empty()) GTEST_SKIP() << missing_mesh(scene) << " is not on this machine";
   const Model model = assemble(scene);
-  const auto open = open_alone({"openmp_float", "openmp", Precision::single_precision}, 2);
+  const auto open = open_alone({"openmp_float", "openmp", Precision::single_precision});
   Simulation simulation(*open, scene, model);
   double least[2] = {1e300, 1e300}, tenth[2] = {1e300, 1e300};
   run_scene(simulation, scene, [&](const Points& y) {
@@ -102,7 +102,7 @@ TEST(HyperelasticFigure, StressesAreInOrderAndOnTheirCurves) {
   const Scene scene =
       example_scene("stress-strain", {"simulation.time_step=0.2", "output.fps=5", "solver.tolerance=1e-4"});
   const Model model = assemble(scene);
-  const auto open = open_double(2);
+  const auto open = open_double();
   Simulation simulation(*open, scene, model);
   const Points y = run_scene(simulation, scene);
   const std::vector<Vector3> force = simulation.elastic_forces(y);
@@ -132,14 +132,15 @@ TEST(HyperelasticFigure, StressesAreInOrderAndOnTheirCurves) {
 // Fig. 13: what weighs more sags more, by each law; all agree where little is compressed, and where more is
 // the bonds' form gives way more than the exact law, as its curve does.
 TEST(HyperelasticFigure, SagGrowsWithGravityAndNeoHookeanFormsAgree) {
-  Scene scene = example_scene("neo-hookean-gravity",
-                              {"simulation.time_step=0.2", "output.fps=5", "simulation.end=1.6"});
+  Scene scene =
+      example_scene("neo-hookean-gravity", {"simulation.time_step=0.2", "output.fps=5", "simulation.end=0.8",
+                                            "solver.tolerance=1e-3", "solver.iterations=300"});
   if (!missing_mesh(scene).empty()) GTEST_SKIP() << missing_mesh(scene) << " is not on this machine";
   std::erase_if(scene.bodies, [](const Body& body) {
     return !body.name.ends_with("once") && !body.name.ends_with("thrice");
   });
   const Model model = assemble(scene);
-  const auto open = open_alone({"openmp_float", "openmp", Precision::single_precision}, 2);
+  const auto open = open_alone({"openmp_float", "openmp", Precision::single_precision});
   Simulation simulation(*open, scene, model);
   const Points y = run_scene(simulation, scene);
   double sag[3][2];
@@ -211,47 +212,49 @@ TEST(HyperelasticFigure, ABarTwistedALittleResistsAsTheorySays) {
   }
 }
 
-// Fig. 1. Under its weight, and under the two pulls: leaves bend, the stem hardly, and all comes back.
+// Fig. 1, at rest under each of its loads: steps so long that inertia does not matter. To their lengths, 0.7
+// m and 0.3 m, leaves bend by several times what the stem does, and let go the flower is where it was.
 TEST(HyperelasticFigure, AFlowersStemBendsLessThanItsLeavesAndComesBack) {
-  const Scene scene = example_scene("flower", {"simulation.spacing=0.02"});
+  Scene scene =
+      example_scene("flower", {"simulation.spacing=0.025", "simulation.time_step=10", "output.fps=0.1",
+                               "simulation.end=10", "solver.tolerance=1e-4", "solver.iterations=4000"});
+  std::vector<Condition> held, loads;
+  for (const Condition& condition : scene.bodies[0].conditions)
+    (condition.kind == Condition::Kind::loaded ? loads : held).push_back(condition);
+  ASSERT_EQ(loads.size(), 2u);
+  const auto open = open_double();
+  const auto at_rest = [&](const Condition* load, const Points& from) {
+    scene.bodies[0].conditions = held;
+    if (load) {
+      scene.bodies[0].conditions.push_back(*load);
+      scene.bodies[0].conditions.back().start = 0, scene.bodies[0].conditions.back().end = 1e300;
+    }
+    Model model = assemble(scene);
+    if (!from.empty()) model.position = from;
+    Simulation simulation(*open, scene, model);
+    const Points y = run_scene(simulation, scene);
+    for (const StepStatistics& row : simulation.take_statistics()) report("iterations", row.iterations);
+    return y;
+  };
+  const Points weight = at_rest(nullptr, {}), pushed = at_rest(&loads[0], weight),
+               pulled = at_rest(&loads[1], weight), back = at_rest(nullptr, pushed);
   const Model model = assemble(scene);
-  const auto open = open_double(2);
-  Simulation simulation(*open, scene, model);
-  const Where top =
-                  [](const Vector3&x) {
-                    return std::hypot(x.x(), x.z()) < 0.05 && std::abs(x.y() - 0.7) < 0.04;
-                  },
-              leaf = [](const Vector3&x) { return x.x() < -0.25 && x.y() < 0.62; };
-  struct Shift {
-    double stem = 0, leaf = 0;
+  const Where top = [](const Vector3& x) {
+    return std::hypot(x.x(), x.z()) < 0.05 && std::abs(x.y() - 0.7) < 0.04;
   };
-  const auto shift = [&](const Points& y, const Points& from) {
-    return Shift{mean_shift(model, 0, from, y, top).norm(), mean_shift(model, 0, from, y, leaf).norm()};
+  const Where leaf = [](const Vector3& x) { return x.x() < -0.25 && x.y() < 0.62; };
+  const auto bend = [&](const Points& from, const Points& to) {
+    const double stem = mean_shift(model, 0, from, to, top).norm() / 0.7;
+    const double blade = mean_shift(model, 0, from, to, leaf).norm() / 0.3;
+    report("  the stem bends by, of its length", stem);
+    report("  the leaf bends by, of its length", blade);
+    return blade / stem;
   };
-  Points sagged;
-  Shift weight, pushed, pulled;
-  const Points end = run_scene(simulation, scene, [&](const Points& y) {
-    const double t = simulation.time();
-    for (const Vector3& p : y) ASSERT_TRUE(p.allFinite()) << t;
-    if (sagged.empty() && t > 1.4) sagged = y, weight = shift(y, model.position);
-    if (sagged.empty()) return;
-    const Shift now = shift(y, sagged);
-    if (t > 1.5 && t < 2.3) pushed.stem = std::max(pushed.stem, now.stem);
-    if (t > 3.5 && t < 4.2)
-      pulled.stem = std::max(pulled.stem, now.stem), pulled.leaf = std::max(pulled.leaf, now.leaf);
-  });
-  report("weight: the top of the stem moves by, m", weight.stem);
-  report("weight: the tip of the leaf moves by, m", weight.leaf);
-  report("the stem is pushed: its top moves by, m", pushed.stem);
-  report("the leaf is pulled: its tip moves by, m", pulled.leaf);
-  report("the leaf is pulled: the top of the stem moves by, m", pulled.stem);
-  EXPECT_GT(weight.leaf, 5 * weight.stem);
-  EXPECT_GT(pulled.leaf, 5 * pulled.stem);
-  EXPECT_GT(pushed.stem, 0.03);
-  EXPECT_GT(pulled.leaf, 0.05);
-  const Shift back = shift(end, sagged);
-  expect_below("back: the top of the stem, of what it was pushed", back.stem / pushed.stem, 0.05);
-  expect_below("back: the tip of the leaf, of what it was pulled", back.leaf / pulled.leaf, 0.1);
+  expect_above("weight: bend of the leaf over that of the stem", bend(model.position, weight), 4);
+  expect_above("pulled leaf: its bend over that of the stem", bend(weight, pulled), 4);
+  const double shift = mean_shift(model, 0, weight, pushed, top).norm();
+  expect_above("pushed stem: its top moves by, m", shift, 0.03);
+  expect_below("back: distance from where it was, m", largest_difference(back, weight), 0.01 * shift);
 }
 
 } // namespace

@@ -41,14 +41,14 @@ Pattern pattern(const Scene& scene, const Model& model, std::size_t body, const 
 }
 
 // Fig. 6 (b), (c). Threads along the strong direction carry the ball: the strain runs in a band along them,
-// at right angles to it the sheet hangs deeper. Both turn with the material: that of the left sheet is
-// symmetric about x, that of the right one about the diagonal, as the lattice and the rim are, so that angles
-// are exact but for what the solver's tolerance leaves.
+// and the hollow is longer there. Both turn with the material. The lattice and the rim are symmetric about x
+// and about the diagonal, so that angles are exact, and by quarter turns, so that without directions both
+// ratios would be 1.
 TEST(SheetFigure, ATrampolinesPatternTurnsWithItsDirections) {
   const Scene scene = example_scene(
       "trampoline-anisotropic", {"simulation.spacing=0.05", "simulation.end=1", "simulation.time_step=1/60"});
   const Model model = assemble(scene);
-  const auto open = open_double(2);
+  const auto open = open_double();
   Simulation simulation(*open, scene, model);
   double depth = 0;
   Points y; // at the deepest
@@ -56,7 +56,6 @@ TEST(SheetFigure, ATrampolinesPatternTurnsWithItsDirections) {
     const double deep = 0.6 - lowest(model, now, 0);
     if (deep > depth) depth = deep, y = now;
   });
-  report("the left sheet gives way by, m", depth);
   expect_above("the left sheet gives way by, m", depth, 0.05);
   for (std::size_t body = 0; body < 2; ++body) {
     const double strong = body == 0 ? 0 : 45;
@@ -72,23 +71,22 @@ TEST(SheetFigure, ATrampolinesPatternTurnsWithItsDirections) {
     });
     const Pattern hollow =
         pattern(scene, model, body, [&](std::uint32_t i) { return model.position[i].y() - y[i].y(); });
-    report(name + "angle of the band of strain, degrees", strain.angle);
-    report(name + "mean square strain along over across", strain.ratio);
-    report(name + "angle at which it hangs deepest, degrees", hollow.angle);
-    report(name + "depth there over that at right angles", hollow.ratio);
     expect_below(name + "band of strain off the strong direction, degrees",
-                 std::abs(std::remainder(strain.angle - strong, 180)), 1);
-    expect_above(name + "mean square strain along over across", strain.ratio, 1.5);
+                 std::abs(std::remainder(strain.angle - strong, 180)), 0.1);
+    expect_below(name + "hollow off the strong direction, degrees",
+                 std::abs(std::remainder(hollow.angle - strong, 180)), 0.1);
+    expect_above(name + "mean square strain along over across", strain.ratio, 1.2);
+    expect_above(name + "depth along over across", hollow.ratio, 1.05);
   }
 }
 
 // Fig. 11. All end at rest above the cloth, the right side out.
 TEST(SheetFigure, FiveBodiesComeToRestOnAClothTheyDoNotPass) {
-  const Scene scene = example_scene("five-materials", {"simulation.spacing=0.04", "simulation.time_step=1/60",
-                                                       "allow=[\"sparse\"]", "simulation.end=2"});
+  const Scene scene = example_scene("five-materials", {"simulation.spacing=0.04", "simulation.time_step=1/30",
+                                                       "allow=[\"sparse\"]", "simulation.end=3"});
   if (!missing_mesh(scene).empty()) GTEST_SKIP() << missing_mesh(scene) << " is not on this machine";
   const Model model = assemble(scene);
-  const auto open = open_double(2);
+  const auto open = open_alone({"openmp_float", "openmp", Precision::single_precision});
   Simulation simulation(*open, scene, model);
   const Points y = run_scene(simulation, scene);
   const std::vector<Vector3> velocity = simulation.velocities();
@@ -98,21 +96,21 @@ TEST(SheetFigure, FiveBodiesComeToRestOnAClothTheyDoNotPass) {
   report("the cloth gives way by, m", depth);
   for (std::size_t b = 1; b < model.bodies.size(); ++b) {
     const BodyModel& body = model.bodies[b];
-    double under = 0, fast = 0, upright = 0;
+    double under = 0, fast = 0, full = 0, upright = 0;
     for (std::uint32_t i = body.first; i < body.first + body.count; ++i) {
-      std::uint32_t nearest = 0; // of the cloth's particles, as seen from above
-      double best = 1e300;
-      for (std::uint32_t c = 0; c < cloth.count; ++c) {
-        const double off = std::hypot(y[c].x() - y[i].x(), y[c].z() - y[i].z());
-        if (off < best) best = off, nearest = c;
-      }
-      under += y[i].y() < y[nearest].y();
+      bool carried = false; // some of the cloth lies beneath: its holes are 1.3 spacings wide, folded or not
+      for (std::uint32_t c = 0; c < cloth.count; ++c)
+        carried |=
+            std::hypot(y[c].x() - y[i].x(), y[c].z() - y[i].z()) < 1.5 * model.spacing && y[c].y() < y[i].y();
+      under += !carried;
       fast = std::max(fast, velocity[i].norm());
+      if (model.bonds.begin[i + 1] - model.bonds.begin[i] < 17) continue; // of an edge, a claw, an ear
+      full += 1;
       upright += determinant(deformation_gradient(model, y, i) * body.axes.transpose()) > 0;
     }
     EXPECT_EQ(under, 0) << body.name;
     expect_below(body.name + ": fastest particle at the end, m/s", fast, 0.1);
-    expect_above(body.name + ": share with det F > 0", upright / body.count, 1);
+    expect_above(body.name + ": share with det F > 0", upright / full, 1);
   }
 }
 
