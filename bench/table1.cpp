@@ -21,7 +21,7 @@ using namespace pliant;
 
 namespace {
 
-constexpr unsigned threads = 2, samples = 8;
+constexpr unsigned threads = 2, samples = 4;
 
 struct Row {
   const char* name;
@@ -38,7 +38,7 @@ class Judge {
 public:
   Judge(const Scene& scene, const Model& model) : model_(model), scene_(reference_scene(scene, model)) {
     scene_.solver.fixed_iterations = true; // it ends where no descent is left
-    scene_.solver.iterations = 3000;
+    scene_.solver.iterations = 400;
     device_ = open_device(double_precision(threads));
     for (auto* simulation : {&judge_, &solver_})
       *simulation = std::make_unique<Simulation>(*device_, scene_, model);
@@ -116,6 +116,7 @@ int main(int argc, char** argv) try {
          "ratio\n";
   fmt::print("{:<10}{:>10}{:>8}  {:<19}{:>11}{:>9}{:>13}{:>13}{:>10}{:>8}\n", "scene", "particles", "step s",
              "method", "iterations", "ms", "error worst", "not reached", "paper ms", "ratio");
+  std::fflush(stdout);
   double product = 1;
   int count = 0;
   for (const Row& row : rows) {

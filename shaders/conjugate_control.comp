@@ -57,7 +57,7 @@ void main() {
       return;
     }
     if (energy_tolerance > 0.0) {
-      float left = 0.5 * solver[SOLVER_GAIN] * found;
+      float left = solver[SOLVER_GAIN] * found;
       if (left > 0.0 && solver[SOLVER_FALL] > 0.0) {
         float error = left / (solver[SOLVER_FALL] + left);
         solver[SOLVER_ENERGY_ERROR] = error;
@@ -75,8 +75,8 @@ void main() {
     solver[SOLVER_SLOPE] = 0.0;
   } else {
     float enough = energy_tolerance * (solver[SOLVER_FALL] + 0.5 * solver[SOLVER_SLOPE]);
-    bool precise = energy_tolerance > 0.0 && solver[SOLVER_GAIN] * found <= enough;
-    if (!(found > solver[SOLVER_RZ_ENOUGH]) || precise || solver[SOLVER_COUNT] >= float(cap)) {
+    bool close = energy_tolerance > 0.0 && 2.0 * solver[SOLVER_GAIN] * found <= enough;
+    if (!(found > solver[SOLVER_RZ_ENOUGH]) || close || solver[SOLVER_COUNT] >= float(cap)) {
       solver[SOLVER_ACTION] = 2.0;
       complete();
       return;

@@ -145,7 +145,7 @@ void expect_fall(Expected& wanted, const std::vector<double>& solver, const Case
   if (one.after.count(SOLVER_TAKEN) == 0 || one.restart != 0 || solver[SOLVER_RETURN] > 0 ||
       solver[SOLVER_TRIAL] > 0)
     return;
-  const double change = one.phi - solver[SOLVER_POTENTIAL], low = 0.0078125,
+  const double change = one.phi - solver[SOLVER_POTENTIAL], low = std::max(0.0078125, one.moved / 1024),
                least = rounded(1e-5) * (one.phi + solver[SOLVER_POTENTIAL]) + 64 * low * low;
   const double slopes = (solver[SOLVER_LENGTH] * solver[SOLVER_SLOPE] + one.steep) / 2;
   const double fall = std::max(0.0, std::abs(change) > 16 * least ? -change : slopes);

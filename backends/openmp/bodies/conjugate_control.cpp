@@ -46,7 +46,7 @@ template <class real> void conjugate_control(const kernels::conjugate_control::V
       return;
     }
     if (k.energy_tolerance > 0) {
-      const real left = solver[SOLVER_GAIN] * found / 2;
+      const real left = solver[SOLVER_GAIN] * found;
       if (left > 0 && solver[SOLVER_FALL] > 0) {
         solver[SOLVER_ENERGY_ERROR] = left / (solver[SOLVER_FALL] + left);
         if (solver[SOLVER_ENERGY_ERROR] <= k.energy_tolerance) {
@@ -65,7 +65,7 @@ template <class real> void conjugate_control(const kernels::conjugate_control::V
     solver[SOLVER_RZ] = found;
   } else if (found > solver[SOLVER_RZ_ENOUGH] && solver[SOLVER_COUNT] < static_cast<real>(k.cap) &&
              !(k.energy_tolerance > 0 &&
-               solver[SOLVER_GAIN] * found <=
+               2 * solver[SOLVER_GAIN] * found <=
                    k.energy_tolerance * (solver[SOLVER_FALL] + solver[SOLVER_SLOPE] / 2))) {
     solver[SOLVER_CG_KEEP] = found / solver[SOLVER_RZ];
     solver[SOLVER_RZ] = found;
