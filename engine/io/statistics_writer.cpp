@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::size_t plain_columns = 11;
 constexpr const char* fracture_columns = ",broken_bonds,fracture_energy";
+constexpr const char* plastic_columns = ",yielding,plastic_work,plastic_strain,plastic_volume";
 
 std::string header_of(const std::filesystem::path& path, const std::vector<std::string>& components) {
   std::string header =
@@ -33,6 +34,8 @@ std::string header_of(const std::filesystem::path& path, const std::vector<std::
   }
   if (std::find(components.begin(), components.end(), "failure") != components.end())
     header += fracture_columns;
+  if (std::find(components.begin(), components.end(), "plasticity") != components.end())
+    header += plastic_columns;
   return header + "\n";
 }
 
@@ -111,6 +114,9 @@ void StatisticsWriter::append(const StatisticsRow& row) {
                                  row.momentum[0], row.momentum[1], row.momentum[2], row.ms_total);
   for (const double ms : row.ms_components) line += fmt::format(",{}", ms);
   if (row.fracture) line += fmt::format(",{:.0f},{}", (*row.fracture)[0], (*row.fracture)[1]);
+  if (row.plastic)
+    line += fmt::format(",{:.0f},{},{},{}", (*row.plastic)[0], (*row.plastic)[1], (*row.plastic)[2],
+                        (*row.plastic)[3]);
   write(line + "\n");
 }
 
@@ -119,9 +125,13 @@ std::vector<StatisticsRow> read_statistics(const std::filesystem::path& path) {
   std::vector<StatisticsRow> rows;
   std::string line;
   std::getline(text, line);
-  const std::string last = fracture_columns;
-  const bool fracture =
-      line.size() >= last.size() && line.compare(line.size() - last.size(), last.size(), last) == 0;
+  const auto ends = [&line](const std::string& last) { // and is cut off
+    if (line.size() < last.size() || line.compare(line.size() - last.size(), last.size(), last) != 0)
+      return false;
+    line.resize(line.size() - last.size());
+    return true;
+  };
+  const bool plastic = ends(plastic_columns), fracture = ends(fracture_columns);
   while (std::getline(text, line) && !text.eof()) {
     std::vector<std::string> cells(1);
     for (const char c : line)
@@ -150,6 +160,12 @@ std::vector<StatisticsRow> read_statistics(const std::filesystem::path& path) {
                       {number(7), number(8), number(9)},
                       number(10),
                       {}};
+    if (plastic) {
+      if (cells.size() < plain_columns + 4) throw damaged();
+      row.plastic.emplace();
+      for (std::size_t c = 0; c < 4; ++c) (*row.plastic)[c] = number(cells.size() - 4 + c);
+      cells.resize(cells.size() - 4);
+    }
     if (fracture) {
       if (cells.size() < plain_columns + 2) throw damaged();
       row.fracture = {number(cells.size() - 2), number(cells.size() - 1)};

@@ -23,13 +23,17 @@ struct StatisticsRow {
   std::vector<double> ms_components; ///< in the order of the header
   /// Scenes whose bonds may break: bonds broken and J released so far, the last two columns.
   std::optional<std::array<double, 2>> fracture = std::nullopt;
+  /// Scenes with plasticity, after those: particles that flowed, J of plastic work so far, the largest
+  /// plastic strain, m3 of plastic volume.
+  std::optional<std::array<double, 4>> plastic = std::nullopt;
 };
 
 class StatisticsWriter {
 public:
   /// Writes the header: step, time, iterations, residual, stopped, kinetic_energy, elastic_energy,
   /// momentum_x, momentum_y, momentum_z, ms_total, then ms_<component>; with a component "failure" then
-  /// broken_bonds, fracture_energy. Replaces what is there. Throws
+  /// broken_bonds, fracture_energy; with "plasticity" then yielding, plastic_work, plastic_strain,
+  /// plastic_volume. Replaces what is there. Throws
   /// Error(input_output).
   StatisticsWriter(const std::filesystem::path& path, const std::vector<std::string>& components);
   /// Goes on with a file whose first `bytes` are kept; what lies beyond is dropped.

@@ -224,6 +224,10 @@ bool Run::stretch(Progress& progress) {
          spent[k],
          simulation_->plan().failure
              ? std::optional(std::array{static_cast<double>(row.broken_bonds), row.fracture_energy})
+             : std::nullopt,
+         simulation_->plan().plastic
+             ? std::optional(std::array{static_cast<double>(row.yielding), row.plastic_work,
+                                        row.plastic_strain, row.plastic_volume})
              : std::nullopt});
   }
   return !rows.empty();

@@ -1,0 +1,174 @@
+// Bodies that flow in the engine: strengths of bars by the force through their middle, the dent that stays,
+// the same bits for any number of threads and from a saved state.
+#include "engine/solver/saved_state.h"
+#include "tests/plasticity/material_point.h"
+
+namespace pliant::test {
+namespace {
+
+constexpr double young = 1e6, poisson = 0.3, cohesion = 1e3, spacing = 0.125, step = 0.05;
+
+/// A bar along z, its two last layers held at each end, the upper ones moved at a steady pace.
+struct Bar {
+  Stage stage;
+  int layers = 5, length = 14;
+  Bar(const Material& material, double strain_a_step)
+      : stage(lattice(layers, layers, length, spacing), spacing, material, step) {
+    const double end = (length - 1) * spacing;
+    Motion up;
+    up.velocity = Vector3(0, 0, strain_a_step * (length - 4) * spacing / step);
+    stage.hold([&](const Vector3& x) { return x.z() < 1.5 * spacing; });
+    stage.hold([&](const Vector3& x) { return x.z() > end - 1.5 * spacing; }, up);
+    stage.scene.solver.tolerance = 1e-5;
+  }
+  /// Pa: the pull of the upper half on the lower, over the section at rest.
+  double stress(Simulation& simulation) const {
+    const std::vector<Vector3> force = simulation.elastic_forces(simulation.positions());
+    double sum = 0;
+    for (std::size_t i = 0; i < force.size(); ++i)
+      if (stage.model.reference[i].z() - stage.model.reference[0].z() > (length - 1) * spacing / 2)
+        sum -= force[i].z();
+    return sum / std::pow(layers * spacing, 2);
+  }
+};
+
+class PlasticBar : public OnEachDevice {};
+
+// Strains of 1.5 % at most, of which lengths and sections change by as much: the stress is over the section
+// at rest, so 1 % is for that and for the weights of the sides' neighbourhoods.
+TEST_P(PlasticBar, YieldsInTensionAndCompression) {
+  const auto open = device();
+  struct Case {
+    double friction, sign;
+  };
+  const std::vector<Case> cases =
+      GetParam().gl() ? std::vector<Case>{{0, 1}} : std::vector<Case>{{0, 1}, {0, -1}, {30, 1}, {30, -1}};
+  for (const auto& [friction, sign] : cases) {
+    const Material material = plastic_material(young, poisson, cohesion, friction);
+    const Cone cone(material);
+    const double strength = sign > 0 ? cone.tension() : cone.compression();
+    const double a_step = sign * strength / young / 8;
+    const Bar bar(material, a_step);
+    Simulation simulation(*open, bar.stage.scene, bar.stage.model);
+    double mean = 0, first = 0, work = 0;
+    for (int k = 1; k <= 24; ++k) {
+      simulation.step();
+      if (k == 4) first = bar.stress(simulation);
+      if (k > 20) mean += bar.stress(simulation) / 4;
+      for (const StepStatistics& row : simulation.take_statistics()) {
+        EXPECT_GE(row.plastic_work, work);
+        work = row.plastic_work;
+        if (k <= 4) EXPECT_EQ(row.yielding, 0u);
+        if (k > 20) EXPECT_GT(row.yielding, 50u);
+      }
+    }
+    const std::string name =
+        "friction " + std::to_string(static_cast<int>(friction)) + (sign > 0 ? ", tension" : ", compression");
+    report(name + ": elastic stress at half the strength, of E strain", first / (young * 4 * a_step));
+    expect_below(name + ": |stress / strength - 1|", std::abs(std::abs(mean) / strength - 1), 0.02);
+    const std::vector<double> strain = simulation.plastic_strain();
+    report(name + ": largest plastic strain", *std::max_element(strain.begin(), strain.end()));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Plasticity, PlasticBar, testing::ValuesIn(device_choices()), ChoiceName());
+
+/// A block thrown at a floor.
+struct Thrown {
+  Scene scene;
+  Model model;
+  explicit Thrown(bool flows, const std::string& integrator = "implicit-euler") {
+    scene.simulation.spacing = 0.05;
+    scene.simulation.time_step = 1. / 240;
+    scene.output.fps = 240;
+    scene.solver.integrator = integrator;
+    Material clay = plastic_material(2e5, 0.3, flows ? 2e3 : 1e9, 20);
+    scene.materials = {clay};
+    Body body;
+    body.name = "clay";
+    body.material = clay.name;
+    body.shape.kind = Shape::Kind::box;
+    body.shape.size = Vector3(0.3, 0.35, 0.25);
+    body.shape.at = Vector3(0, 0.2, 0);
+    body.velocity = Vector3(0.3, -3, 0);
+    scene.bodies = {body};
+    Boundary floor;
+    floor.shape.kind = Shape::Kind::plane;
+    floor.friction = 0.5;
+    scene.boundaries = {floor};
+    model = assemble(scene);
+  }
+};
+
+class PlasticBits : public OnEachDevice {};
+
+TEST_P(PlasticBits, SavedKeptAndThreaded) {
+  const Thrown thrown(true);
+  const PlanRequest request{.statistics = true, .divergence = true};
+  const auto open = device();
+  Simulation whole(*open, thrown.scene, thrown.model, request);
+  for (int k = 0; k < 10; ++k) whole.step();
+  const SavedState saved = whole.save();
+  for (int k = 0; k < 8; ++k) whole.step();
+  const auto rows = whole.take_statistics();
+  ASSERT_EQ(rows.size(), 18u);
+  EXPECT_GT(rows.back().plastic_strain, 0.01);
+  EXPECT_GT(rows.back().plastic_work, rows[10].plastic_work);
+  Simulation second(*open, thrown.scene, thrown.model, request);
+  second.load(saved);
+  for (int k = 0; k < 8; ++k) second.step();
+  EXPECT_EQ(second.hash(), whole.hash());
+  EXPECT_EQ(second.plastic_strain(), whole.plastic_strain());
+  EXPECT_EQ(second.take_statistics().back().plastic_work, rows.back().plastic_work);
+  second.load(saved);
+  second.keep();
+  for (int k = 0; k < 3; ++k) second.step();
+  second.rewind();
+  for (int k = 0; k < 8; ++k) second.step();
+  EXPECT_EQ(second.hash(), whole.hash());
+  if (GetParam().gl()) return;
+  const auto threads = open_alone(GetParam(), 2);
+  Simulation third(*threads, thrown.scene, thrown.model, request);
+  for (int k = 0; k < 18; ++k) third.step();
+  EXPECT_EQ(third.hash(), whole.hash());
+  EXPECT_EQ(third.plastic_strain(), whole.plastic_strain());
+}
+
+INSTANTIATE_TEST_SUITE_P(Plasticity, PlasticBits, testing::ValuesIn(device_choices()), ChoiceName());
+
+// What does not yield moves as the law without plasticity does; what yields stays shorter, and its energies
+// never rise by what flow took.
+TEST(PlasticBody, KeepsItsDent) {
+  const auto open = open_double();
+  const auto height = [](const Points& y) {
+    double low = 1e9, high = -1e9;
+    for (const Vector3& x : y) low = std::min(low, x.y()), high = std::max(high, x.y());
+    return high - low;
+  };
+  Thrown clay(true), strong(false), elastic(false);
+  elastic.scene.materials[0].plastic.given = false;
+  std::vector<double> end;
+  std::vector<Points> places;
+  for (Thrown* thrown : {&clay, &strong, &elastic}) {
+    thrown->scene.simulation.gravity = Vector3(0, -9.81, 0);
+    Simulation simulation(*open, thrown->scene, thrown->model);
+    for (int k = 0; k < 60; ++k) simulation.step();
+    places.push_back(simulation.positions());
+    end.push_back(height(places.back()));
+    const StepStatistics last = simulation.take_statistics().back();
+    if (thrown == &strong) {
+      EXPECT_EQ(last.plastic_work, 0);
+      EXPECT_EQ(last.yielding, 0u);
+    }
+    if (thrown == &clay) {
+      EXPECT_GT(last.plastic_work, 0);
+      report("plastic work, of the energy at the impact",
+             last.plastic_work / (0.5 * 9 * 1000 * 0.3 * 0.35 * 0.25));
+    }
+  }
+  expect_below("strong against elastic, of a spacing", largest_difference(places[1], places[2]) / 0.05, 1e-9);
+  expect_below("height of clay, of the elastic one's", end[0] / end[2], 0.97);
+}
+
+} // namespace
+} // namespace pliant::test
