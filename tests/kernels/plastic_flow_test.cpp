@@ -66,7 +66,7 @@ struct Problem {
             after = y / (x * stretch);
             scale = after * (3 + (2 + y / (x * before) + std::abs(stays[0])) / stretch);
             after = std::clamp(after, 0.05, 20.0);
-            rest.set(at, after, scale);
+            rest.set(at, after, std::max(scale, after));
           }
           const double term = stays[3] * (other ? bond.in : bond.out) / (after * after);
           stiffness += term, error += term * (2 + 2 * scale / after);

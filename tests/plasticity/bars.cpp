@@ -8,18 +8,24 @@ namespace {
 
 constexpr double young = 1e6, poisson = 0.3, cohesion = 1e3, spacing = 0.125, step = 0.05;
 
-/// A bar along z, its two last layers held at each end, the upper ones moved at a steady pace.
+constexpr double pace = 1. / 64; ///< of the strain at yield, a step
+
+/// A bar along z, strained to 0.9 of its strength; its two last layers are held at each end, the upper ones
+/// moved on at a steady pace.
 struct Bar {
+  static constexpr int layers = 5, length = 14;
   Stage stage;
-  int layers = 5, length = 14;
-  Bar(const Material& material, double strain_a_step)
+  Bar(const Material& material, double yield_strain)
       : stage(lattice(layers, layers, length, spacing), spacing, material, step) {
     const double end = (length - 1) * spacing;
     Motion up;
-    up.velocity = Vector3(0, 0, strain_a_step * (length - 4) * spacing / step);
+    up.velocity = Vector3(0, 0, pace * yield_strain * (length - 3) * spacing / step);
     stage.hold([&](const Vector3& x) { return x.z() < 1.5 * spacing; });
     stage.hold([&](const Vector3& x) { return x.z() > end - 1.5 * spacing; }, up);
-    stage.scene.solver.tolerance = 1e-5;
+    const Vector3 middle = 0.5 * stage.model.position.back(),
+                  strain = 0.9 * yield_strain * Vector3(-poisson, -poisson, 1);
+    stage.move([&](const Vector3& x) -> Vector3 { return x + strain.cwiseProduct(x - middle); });
+    stage.scene.solver.tolerance = 1e-4;
   }
   /// Pa: the pull of the upper half on the lower, over the section at rest.
   double stress(Simulation& simulation) const {
@@ -34,38 +40,38 @@ struct Bar {
 
 class PlasticBar : public OnEachDevice {};
 
-// Strains of 1.5 % at most, of which lengths and sections change by as much: the stress is over the section
-// at rest, so 1 % is for that and for the weights of the sides' neighbourhoods.
+// A step's return keeps the pressure of the elastic stress before it, a third of what the step has added:
+// half a per cent here, and more where the bar's halves are not yet in balance again. Held ends confine the
+// bar, which is twice as long as thick, by another per cent or two. Seen: 0.7 to 2.3 %; in tension without
+// friction 0.5 % just at yield with 256 steps, 6 % beyond it with 8.
 TEST_P(PlasticBar, YieldsInTensionAndCompression) {
   const auto open = device();
   struct Case {
     double friction, sign;
   };
   const std::vector<Case> cases =
-      GetParam().gl() ? std::vector<Case>{{0, 1}} : std::vector<Case>{{0, 1}, {0, -1}, {30, 1}, {30, -1}};
+      is_double() ? std::vector<Case>{{0, 1}, {0, -1}, {30, 1}, {30, -1}} : std::vector<Case>{{30, -1}};
   for (const auto& [friction, sign] : cases) {
     const Material material = plastic_material(young, poisson, cohesion, friction);
     const Cone cone(material);
     const double strength = sign > 0 ? cone.tension() : cone.compression();
-    const double a_step = sign * strength / young / 8;
-    const Bar bar(material, a_step);
+    const Bar bar(material, sign * strength / young);
     Simulation simulation(*open, bar.stage.scene, bar.stage.model);
-    double mean = 0, first = 0, work = 0;
-    for (int k = 1; k <= 24; ++k) {
+    double work = 0;
+    for (int k = 0; k < 20; ++k) {
       simulation.step();
-      if (k == 4) first = bar.stress(simulation);
-      if (k > 20) mean += bar.stress(simulation) / 4;
       for (const StepStatistics& row : simulation.take_statistics()) {
         EXPECT_GE(row.plastic_work, work);
         work = row.plastic_work;
-        if (k <= 4) EXPECT_EQ(row.yielding, 0u);
-        if (k > 20) EXPECT_GT(row.yielding, 50u);
+        if (k == 19) {
+          EXPECT_GT(row.yielding, 50u);
+        }
       }
     }
     const std::string name =
         "friction " + std::to_string(static_cast<int>(friction)) + (sign > 0 ? ", tension" : ", compression");
-    report(name + ": elastic stress at half the strength, of E strain", first / (young * 4 * a_step));
-    expect_below(name + ": |stress / strength - 1|", std::abs(std::abs(mean) / strength - 1), 0.02);
+    expect_below(name + ": |stress / strength - 1|", std::abs(sign * bar.stress(simulation) / strength - 1),
+                 0.025);
     const std::vector<double> strain = simulation.plastic_strain();
     report(name + ": largest plastic strain", *std::max_element(strain.begin(), strain.end()));
   }
@@ -82,14 +88,16 @@ struct Thrown {
     scene.simulation.time_step = 1. / 240;
     scene.output.fps = 240;
     scene.solver.integrator = integrator;
-    Material clay = plastic_material(2e5, 0.3, flows ? 2e3 : 1e9, 20);
+    scene.solver.method = "chebyshev";
+    scene.solver.iterations = 40;
+    const Material clay = plastic_material(2e5, 0.3, flows ? 2e3 : 1e9, 20);
     scene.materials = {clay};
     Body body;
     body.name = "clay";
     body.material = clay.name;
     body.shape.kind = Shape::Kind::box;
-    body.shape.size = Vector3(0.3, 0.35, 0.25);
-    body.shape.at = Vector3(0, 0.2, 0);
+    body.shape.size = Vector3(0.2, 0.25, 0.2);
+    body.shape.at = Vector3(0, 0.15, 0);
     body.velocity = Vector3(0.3, -3, 0);
     scene.bodies = {body};
     Boundary floor;
@@ -104,7 +112,8 @@ class PlasticBits : public OnEachDevice {};
 
 TEST_P(PlasticBits, SavedKeptAndThreaded) {
   const Thrown thrown(true);
-  const PlanRequest request{.statistics = true, .divergence = true};
+  PlanRequest request;
+  request.divergence = true;
   const auto open = device();
   Simulation whole(*open, thrown.scene, thrown.model, request);
   for (int k = 0; k < 10; ++k) whole.step();
@@ -163,7 +172,7 @@ TEST(PlasticBody, KeepsItsDent) {
     if (thrown == &clay) {
       EXPECT_GT(last.plastic_work, 0);
       report("plastic work, of the energy at the impact",
-             last.plastic_work / (0.5 * 9 * 1000 * 0.3 * 0.35 * 0.25));
+             last.plastic_work / (0.5 * 9 * 1000 * 0.2 * 0.25 * 0.2));
     }
   }
   expect_below("strong against elastic, of a spacing", largest_difference(places[1], places[2]) / 0.05, 1e-9);

@@ -57,7 +57,7 @@ TEST(PlasticScene, IsReadAndWritten) {
 
 TEST(PlasticScene, RefusesWithThePlace) {
   EXPECT_THAT(refusal("plastic = { cohesion = 1e4, friction = 90 }"),
-              AllOf(HasSubstr("scene.toml:7:40"), HasSubstr("0 to below 90")));
+              AllOf(HasSubstr("scene.toml:7:40"), HasSubstr("at least 0 and below 90")));
   EXPECT_THAT(refusal("plastic = { cohesion = 1e4, friction = -1 }"), HasSubstr("scene.toml:7:40"));
   EXPECT_THAT(refusal("plastic = { cohesion = -1 }"),
               AllOf(HasSubstr("scene.toml:7:24"), HasSubstr("at least 0")));

@@ -1,9 +1,10 @@
 // Strengths of a neighbourhood in homogeneous deformation against the closed formulas, the state after each
 // return, and what unloading shows.
 //
-// Strains at yield are 2e-5 in double; bonds lengthen in proportion to the strain up to its square, so all
-// follows the formulas of small strain to about 1e-4 (and the weights' fourth moments as well as that). In
-// float 2e-3, of which a rounding of a bond's length is 1e-4, and the square 5e-3: 1 % is what is asked for.
+// Strains at yield are 2e-5 in double and 6e-4 in float, of which a rounding of a bond's length is 2e-4.
+// Bonds lengthen in proportion to a small strain, beyond that by its square: as a share of the strength, up
+// to about nine times the strain at yield (shear goes that far) times the bulk modulus over the strength's
+// own. So 1e-3 in double and 1e-2 in float are asked for; 2e-4 and 6e-3 seen.
 #include "tests/plasticity/material_point.h"
 
 namespace pliant::test {
@@ -13,12 +14,12 @@ constexpr double young = 1e6, poisson = 0.3;
 
 class Strength : public OnEachDevice {
 protected:
-  double cohesion() const { return young * limit(1e-5, 1e-3); }
+  double cohesion() const { return young * limit(1e-5, 3e-4); }
 };
 
 TEST_P(Strength, ShearTensionCompressionAndApex) {
   const auto open = device();
-  for (const double friction : {0.0, 20.0, 40.0}) {
+  for (const double friction : GetParam().gl() ? std::vector<double>{20} : std::vector<double>{0, 20, 40}) {
     const Material material = plastic_material(young, poisson, cohesion(), friction);
     const Cone cone(material);
     const double most = limit(1e-3, 1e-2), size = cone.tension() / young;
