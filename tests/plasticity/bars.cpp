@@ -1,5 +1,6 @@
 // Bodies that flow in the engine: strengths of bars by the force through their middle, the dent that stays,
 // the same bits for any number of threads and from a saved state.
+#include "engine/scene/scene_parse.h"
 #include "engine/solver/saved_state.h"
 #include "tests/plasticity/material_point.h"
 
@@ -177,6 +178,39 @@ TEST(PlasticBody, KeepsItsDent) {
   }
   expect_below("strong against elastic, of a spacing", largest_difference(places[1], places[2]) / 0.05, 1e-9);
   expect_below("height of clay, of the elastic one's", end[0] / end[2], 0.97);
+}
+
+// The example at twice the spacing: the ball goes 6 cm deep, clay keeps most of that, the same block without
+// plasticity nothing.
+TEST(PlasticBody, ABallLeavesADent) {
+  const auto open = open_double();
+  for (const bool flows : {true, false}) {
+    Scene scene =
+        read_scene(PLIANT_SOURCE_DIR "/examples/dented-clay.toml",
+                   std::vector<std::string>{"simulation.spacing=0.05", "simulation.time_step=0.002"});
+    if (!flows) scene.materials[0].plastic.given = false;
+    const Model model = assemble(scene);
+    Simulation simulation(*open, scene, model);
+    double deepest = 0, depth = 0;
+    for (int k = 0; k < 90; ++k) {
+      simulation.step();
+      const Points y = simulation.positions();
+      depth = 0;
+      for (std::size_t i = 0; i < y.size(); ++i)
+        if (model.position[i].y() > 0.2) depth = std::max(depth, model.position[i].y() - y[i].y());
+      deepest = std::max(deepest, depth);
+    }
+    const StepStatistics last = simulation.take_statistics().back();
+    std::printf("%s: %.1f mm deep at most, %.1f mm in the end; %.1f J of work, plastic strain %.2f\n",
+                flows ? "clay" : "elastic", 1e3 * deepest, 1e3 * depth, last.plastic_work,
+                last.plastic_strain);
+    EXPECT_GT(deepest, 0.045);
+    if (flows) {
+      EXPECT_GT(depth, 0.6 * deepest);
+    } else {
+      EXPECT_LT(depth, 0.1 * deepest);
+    }
+  }
 }
 
 } // namespace
