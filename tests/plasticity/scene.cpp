@@ -1,11 +1,13 @@
 // Scene files with materials that flow: what is read, written to run.json, and refused, with its place.
 #include "engine/core/error.h"
+#include "engine/io/statistics_writer.h"
 #include "engine/model/plasticity.h"
 #include "engine/scene/scene_json.h"
 #include "engine/scene/scene_parse.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 namespace pliant::test {
 namespace {
@@ -108,6 +110,30 @@ TEST(PlasticScene, LibraryUsersAreRefusedToo) {
   scene.materials[0].law = "ordinary";
   scene.materials[0].critical_stretch = 0.1;
   EXPECT_THROW(yield_surfaces(scene, model), Error);
+}
+
+// The columns of a scene that flows come last, with or without those of one whose bonds break.
+TEST(PlasticScene, ColumnsAreReadBack) {
+  const std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("pliant-plastic-" + std::to_string(::getpid()) + ".csv");
+  for (const bool breaks : {false, true})
+    for (const bool flows : {false, true}) {
+      std::vector<std::string> components{"motion"};
+      if (breaks) components.emplace_back("failure");
+      if (flows) components.emplace_back("plasticity");
+      StatisticsRow row;
+      row.step = 3, row.time = 0.25, row.stopped = "floor";
+      row.ms_components.assign(components.size(), 0.5);
+      if (breaks) row.fracture = {7, 0.1};
+      if (flows) row.plastic = {12, 1.0 / 3, 0.02, -1e-9};
+      StatisticsWriter(path, components).append(row);
+      const std::vector<StatisticsRow> rows = read_statistics(path);
+      ASSERT_EQ(rows.size(), 1u);
+      EXPECT_EQ(rows[0].plastic, row.plastic);
+      EXPECT_EQ(rows[0].fracture, row.fracture);
+      EXPECT_EQ(rows[0].ms_components, row.ms_components);
+    }
+  std::filesystem::remove(path);
 }
 
 } // namespace
