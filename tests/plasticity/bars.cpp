@@ -180,6 +180,41 @@ TEST(PlasticBody, KeepsItsDent) {
   expect_below("height of clay, of the elastic one's", end[0] / end[2], 0.97);
 }
 
+// Bonds of another body break, and what is left of them is packed: rest lengths stay with their bonds.
+TEST(PlasticBody, KeepsItsLengthsWhereOthersBreak) {
+  const auto open = open_double();
+  std::vector<Points> places;
+  for (const bool both : {false, true}) {
+    Thrown thrown(true);
+    Scene& scene = thrown.scene;
+    scene.solver.tolerance = 1e-9;
+    scene.solver.iterations = 400;
+    if (both) {
+      Material glass = material_of("ordinary", 2e5, 0.3);
+      glass.name = "glass";
+      glass.critical_stretch = 0.01;
+      scene.materials.push_back(glass);
+      Body plate = scene.bodies[0];
+      plate.name = "plate";
+      plate.material = "glass";
+      plate.shape.at += Vector3(0, 5, 0);
+      plate.deform = 1.02 * Matrix3::Identity();
+      scene.bodies.insert(scene.bodies.begin(), plate);
+    }
+    const Model model = assemble(scene);
+    Simulation simulation(*open, scene, model);
+    for (int k = 0; k < 90; ++k) simulation.step(); // packed after 64
+    const StepStatistics last = simulation.take_statistics().back();
+    EXPECT_GT(last.plastic_strain, 0.05);
+    EXPECT_EQ(last.broken_bonds > 0, both);
+    const Points y = simulation.positions();
+    places.emplace_back(y.end() - static_cast<std::ptrdiff_t>(thrown.model.count()), y.end());
+  }
+  // Solved together, both end at the tolerance elsewhere.
+  expect_below("clay beside a body that breaks, of a spacing",
+               largest_difference(places[0], places[1]) / 0.05, 1e-6);
+}
+
 // The example at twice the spacing: the ball goes 6 cm deep, clay keeps most of that, the same block without
 // plasticity nothing.
 TEST(PlasticBody, ABallLeavesADent) {
