@@ -15,6 +15,8 @@ void main() {
   value = distance(world, start[i].xyz);
 #elif field == 5
   value = 1.0 - shape[share_at + i];
+#elif field == 6
+  value = flow[2 * i].x;
 #endif
   particle[i] = vec4(world, value);
 }

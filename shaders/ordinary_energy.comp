@@ -1,5 +1,6 @@
 // Energy of law M2 at each particle; see kernels/ordinary_energy.decl.
 #include "common/bonds.glsl"
+#include "common/rest.glsl"
 
 void main() {
 #if gated
@@ -14,9 +15,10 @@ void main() {
     uint entry = 32 * row + lane;
     uint j = bond[entry];
     vec3 y = (position[j].xyz - yi) + (displacement[j].xyz - ui);
-    float x = length(unpack_bond(bond[entry + 16], unit)), stretch = length(y) - x;
-    stretching += weight[entry] * stretch * stretch;
-    dilatation += weight[entry] * x * stretch;
+    vec4 at_rest = bond_at_rest(entry);
+    float x = length(unpack_bond(bond[entry + 16], unit)) * at_rest.z, stretch = length(y) - x;
+    stretching += at_rest.x * stretch * stretch;
+    dilatation += at_rest.x * x * stretch;
   }
   float inverse_modulus = shape[i];
   dilatation *= inverse_modulus; // theta - 1

@@ -1,11 +1,17 @@
 // Forces of law M2, gathered; see kernels/ordinary_force.decl.
 #include "common/bonds.glsl"
 #include "common/direction.glsl"
+#include "common/rest.glsl"
 #include "common/solver.glsl"
 
 void main() {
   uint local = thread_index();
-  if (local >= threads || solver[SOLVER_STOP] > 0.0) return;
+#if plastic
+  bool stopped = gate[0].x > 0.0; // SOLVER_STOP
+#else
+  bool stopped = solver[SOLVER_STOP] > 0.0;
+#endif
+  if (local >= threads || stopped) return;
   uint i = first + local, slice = first_slice + local / SLICE, lane = local % SLICE;
   vec3 yi = position[i].xyz;
   vec4 ui = extension[i];
@@ -16,9 +22,10 @@ void main() {
     vec4 uj = extension[j];
     vec3 y = (position[j].xyz - yi) + (uj.xyz - ui.xyz);
     vec3 xi = unpack_bond(bond[entry + 16], unit);
-    float x = length(xi), stretch = length(y) - x;
-    float c_out = weight[entry], c_in = weight[entry + 16];
-    sum += (c_out * (stretch + x * ui.w) + c_in * (stretch + x * uj.w)) * bond_direction(y, xi);
+    vec4 at_rest = bond_at_rest(entry);
+    float x = length(xi), size = length(y), x_out = x * at_rest.z, x_in = x * at_rest.w;
+    sum += (at_rest.x * (size - x_out + x_out * ui.w) + at_rest.y * (size - x_in + x_in * uj.w)) *
+           bond_direction(y, xi);
   }
   force[i] = vec4(sum, linear_start[i].w);
 }

@@ -1,6 +1,7 @@
 // See kernels/ordinary_product_force.decl.
 #include "common/bonds.glsl"
 #include "common/direction.glsl"
+#include "common/rest.glsl"
 #include "common/solver.glsl"
 
 void main() {
@@ -14,10 +15,12 @@ void main() {
     uint j = bond[entry];
     vec4 yj = tangent[4 * j], pj = extension[j];
     vec3 xi = unpack_bond(bond[entry + 16], unit), y = yj.xyz - yi.xyz, dy = pj.xyz - pi.xyz;
-    float x = length(xi), size = length(y), c_out = weight[entry], c_in = weight[entry + 16];
+    vec4 at_rest = bond_at_rest(entry);
+    float x = length(xi), size = length(y), c_out = at_rest.x, c_in = at_rest.y;
+    float x_out = x * at_rest.z, x_in = x * at_rest.w;
     vec3 n = bond_direction(y, xi);
-    float along = dot(n, dy), pull = c_out * (size - x + x * yi.w) + c_in * (size - x + x * yj.w);
-    sum += ((c_out + c_in) * along + x * (c_out * pi.w + c_in * pj.w)) * n +
+    float along = dot(n, dy), pull = c_out * (size - x_out + x_out * yi.w) + c_in * (size - x_in + x_in * yj.w);
+    sum += ((c_out + c_in) * along + x * (c_out * at_rest.z * pi.w + c_in * at_rest.w * pj.w)) * n +
            (pull / max(size, 1e-3 * x + 1e-30)) * (dy - along * n);
   }
   force[i] = vec4(sum, 0.0);

@@ -1,10 +1,16 @@
 // Local step of law M2; see kernels/ordinary_state.decl.
 #include "common/bonds.glsl"
+#include "common/rest.glsl"
 #include "common/solver.glsl"
 
 void main() {
   uint local = thread_index();
-  if (local >= threads || solver[SOLVER_STOP] > 0.0) return;
+#if plastic
+  bool stopped = gate[0].x > 0.0; // SOLVER_STOP
+#else
+  bool stopped = solver[SOLVER_STOP] > 0.0;
+#endif
+  if (local >= threads || stopped) return;
   uint i = first + local, slice = first_slice + local / SLICE, lane = local % SLICE;
   vec3 yi = position[i].xyz, ui = displacement[i].xyz;
   float lengthening = 0.0; // sum c x (y - x): the dilatation less one, without its cancellation
@@ -12,8 +18,9 @@ void main() {
     uint entry = 32 * row + lane;
     uint j = bond[entry];
     vec3 y = (position[j].xyz - yi) + (displacement[j].xyz - ui);
-    float x = length(unpack_bond(bond[entry + 16], unit));
-    lengthening += weight[entry] * x * (length(y) - x);
+    vec4 at_rest = bond_at_rest(entry);
+    float x = length(unpack_bond(bond[entry + 16], unit)) * at_rest.z;
+    lengthening += at_rest.x * x * (length(y) - x);
   }
   float phi = shape[stride + i] * shape[i] * lengthening;
   extension[i] = vec4(ui, phi);

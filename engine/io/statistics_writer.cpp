@@ -21,6 +21,7 @@ namespace {
 constexpr std::size_t plain_columns = 11;
 constexpr const char* fracture_columns = ",broken_bonds,fracture_energy";
 constexpr const char* energy_columns = ",energy_error,energy_rises";
+constexpr const char* plastic_columns = ",yielding,plastic_work,plastic_strain,plastic_volume";
 
 std::string header_of(const std::filesystem::path& path, const std::vector<std::string>& components,
                       bool energies) {
@@ -36,6 +37,8 @@ std::string header_of(const std::filesystem::path& path, const std::vector<std::
   if (std::find(components.begin(), components.end(), "failure") != components.end())
     header += fracture_columns;
   if (energies) header += energy_columns;
+  if (std::find(components.begin(), components.end(), "plasticity") != components.end())
+    header += plastic_columns;
   return header + "\n";
 }
 
@@ -116,6 +119,9 @@ void StatisticsWriter::append(const StatisticsRow& row) {
   for (const double ms : row.ms_components) line += fmt::format(",{}", ms);
   if (row.fracture) line += fmt::format(",{:.0f},{}", (*row.fracture)[0], (*row.fracture)[1]);
   if (row.energy) line += fmt::format(",{},{:.0f}", (*row.energy)[0], (*row.energy)[1]);
+  if (row.plastic)
+    line += fmt::format(",{:.0f},{},{},{}", (*row.plastic)[0], (*row.plastic)[1], (*row.plastic)[2],
+                        (*row.plastic)[3]);
   write(line + "\n");
 }
 
@@ -124,14 +130,15 @@ std::vector<StatisticsRow> read_statistics(const std::filesystem::path& path) {
   std::vector<StatisticsRow> rows;
   std::string line;
   std::getline(text, line);
-  const auto ends_in = [&line](const std::string& columns) {
+  const auto ends_in = [&line](const std::string& columns) { // and is cut off
     if (line.size() < columns.size() ||
         line.compare(line.size() - columns.size(), columns.size(), columns) != 0)
       return false;
     line.resize(line.size() - columns.size());
     return true;
   };
-  const bool energies = ends_in(energy_columns), fracture = ends_in(fracture_columns);
+  const bool plastic = ends_in(plastic_columns), energies = ends_in(energy_columns),
+             fracture = ends_in(fracture_columns);
   while (std::getline(text, line) && !text.eof()) {
     std::vector<std::string> cells(1);
     for (const char c : line)
@@ -160,6 +167,12 @@ std::vector<StatisticsRow> read_statistics(const std::filesystem::path& path) {
                       {number(7), number(8), number(9)},
                       number(10),
                       {}};
+    if (plastic) {
+      if (cells.size() < plain_columns + 4) throw damaged();
+      row.plastic.emplace();
+      for (std::size_t c = 0; c < 4; ++c) (*row.plastic)[c] = number(cells.size() - 4 + c);
+      cells.resize(cells.size() - 4);
+    }
     if (energies) {
       if (cells.size() < plain_columns + 2) throw damaged();
       row.energy = {number(cells.size() - 2), number(cells.size() - 1)};

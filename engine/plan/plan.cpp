@@ -2,6 +2,7 @@
 #include "engine/plan/plan.h"
 
 #include "engine/model/failure.h"
+#include "engine/model/plasticity.h"
 #include "engine/solver/contact.h"
 #include "engine/solver/elastic_law.h"
 #include "engine/solver/frame.h"
@@ -189,6 +190,15 @@ public:
       buffer("fracture", Type::real, std::size_t{2} * statistics_rows);
       kernels<kernels::bond_release::Args, kernels::fracture_sum::Args>();
     }
+    begin("plasticity", plan_.plastic);
+    buffer("rest", Type::real, bonds_.slice_begin.empty() ? 0 : std::size_t{2} * bonds_.slice_begin.back());
+    buffer("yield", Type::real4, 2 * n_);
+    buffer("flow", Type::real4, 2 * n_);
+    kernels<kernels::plastic_return::Args, kernels::plastic_flow::Args>();
+    if (plan_.statistics) {
+      buffer("plastic_row", Type::real, std::size_t{4} * statistics_rows);
+      kernels<kernels::plastic_sum::Args>();
+    }
     begin("statistics", plan_.statistics);
     buffer("chunk", Type::uint4, chunks.chunk.size());
     buffer("chunk_sum", Type::real4, 2 * chunks.chunk.size());
@@ -269,7 +279,7 @@ private:
   bool active_ = false;
 };
 
-constexpr std::array bond_buffers{"slice_begin", "bond", "weight"};
+constexpr std::array bond_buffers{"slice_begin", "bond", "weight", "rest"};
 
 bool of_bonds(const std::string& name) {
   return std::find(bond_buffers.begin(), bond_buffers.end(), name) != bond_buffers.end();
@@ -322,6 +332,7 @@ Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds,
   const bool drawn = scene.render.color == "energy" || std::find(request.fields.begin(), request.fields.end(),
                                                                  "energy") != request.fields.end();
   plan.failure = can_break(scene, model);
+  plan.plastic = can_flow(scene, model);
   plan.method = choose_method(scene, model);
   plan.energy = request.statistics || plan.method.potential || (request.frames && drawn);
   Planner planner(plan, scene, model, bonds);

@@ -17,11 +17,11 @@ struct Hierarchy;
 
 /// What the caller wants besides the motion itself.
 struct PlanRequest {
-  bool statistics = true;  ///< a row of energies, momentum and residuals each step
-  bool divergence = false; ///< the last good state kept, and a row each step that tells a bad one
-  bool frames = false;     ///< world positions, for files and pictures
-  std::vector<std::string>
-      fields;           ///< "velocity", "displacement", "strain", "energy", "damage": only with frames
+  bool statistics = true;          ///< a row of energies, momentum and residuals each step
+  bool divergence = false;         ///< the last good state kept, and a row each step that tells a bad one
+  bool frames = false;             ///< world positions, for files and pictures
+  std::vector<std::string> fields; ///< "velocity", "displacement", "strain", "energy", "damage",
+                                   ///< "plastic_strain": only with frames
   bool surfaces = true; ///< carried meshes, where there are any: only with frames
 };
 
@@ -35,6 +35,7 @@ struct Plan {
   bool failure = false;
   /// failure: row of `shape` with the share of the weights that is left; the next counts breaks
   std::uint32_t share_row = 0;
+  bool plastic = false;
   Method method;
   std::shared_ptr<const Hierarchy> hierarchy; ///< null without the multilevel preconditioner
   bool frames = false, surfaces = false, strain = false;

@@ -227,6 +227,10 @@ bool Run::stretch(Progress& progress) {
              : std::nullopt,
          simulation_->plan().method.potential
              ? std::optional(std::array{row.energy_error, static_cast<double>(row.energy_rises)})
+             : std::nullopt,
+         simulation_->plan().plastic
+             ? std::optional(std::array{static_cast<double>(row.yielding), row.plastic_work,
+                                        row.plastic_strain, row.plastic_volume})
              : std::nullopt});
   }
   return !rows.empty();

@@ -59,6 +59,14 @@ struct Anisotropy {
   Vector3 around_through = Vector3::Zero(); ///< m; a point of it
 };
 
+/// Drucker-Prager plasticity: what a material bears before it flows; see engine/model/plasticity.h.
+struct Plasticity {
+  bool given = false;
+  double cohesion = 0;  ///< Pa
+  double friction = 0;  ///< rad, internal; 0: von Mises
+  double hardening = 0; ///< Pa of cohesion gained by a unit of equivalent plastic strain
+};
+
 struct Material {
   std::string name;
   std::string model = "elastic";
@@ -81,6 +89,7 @@ struct Material {
   std::optional<double> fracture_energy;  ///< J/m2, to cut a unit of area
   std::optional<double> critical_stretch; ///< bonds break beyond a length of (1 + this) times the one at rest
   bool breaks() const { return fracture_energy || critical_stretch; }
+  Plasticity plastic; ///< law "ordinary"
 };
 
 /// Whether the material's law feels lengths only, so that a neighbourhood may stay inverted unless it is
@@ -194,7 +203,8 @@ struct ContactSettings {
 
 struct OutputSettings {
   double fps = 30;
-  std::vector<std::string> fields; ///< "velocity", "displacement", "strain", "energy", "damage"
+  std::vector<std::string> fields; ///< "velocity", "displacement", "strain", "energy", "damage",
+                                   ///< "plastic_strain"
   bool data = true;                ///< run.vtkhdf and run.xmf
   unsigned checkpoint_every = 10;  ///< frames; 0: only at the end and when interrupted
 };

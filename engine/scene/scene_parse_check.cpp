@@ -149,6 +149,7 @@ void check_failure(const TomlValue& value, const Material& material, const std::
 
 void check_material(const TomlValue& value, Material& material, const std::string& path, Findings& findings) {
   material.color_given = value.find("color") != nullptr;
+  check_plastic(value, material, path, findings);
   check_basis_law(value, material, path, findings);
   check_inversion(value, material, path, findings);
   check_failure(value, material, path, findings);
@@ -335,6 +336,23 @@ void check_scene(const TomlValue& document, Scene& scene, Findings& findings) {
   }
   if (const TomlValue* boundaries = document.find("boundary"); boundaries && boundaries->kind == Kind::array)
     name_things(boundaries, scene.boundaries, "boundary", findings);
+
+  const bool flows = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                 [](const Material& material) { return material.plastic.given; });
+  for (const auto& [table, key] : {std::pair{"render", "color"}, {"output", "fields"}}) {
+    const TomlValue* owner = document.find(table);
+    const TomlValue* typed = owner ? owner->find(key) : nullptr;
+    const std::vector<std::string>& fields = scene.output.fields;
+    const bool wanted = std::string_view(table) == "render"
+                            ? scene.render.color == "plastic_strain"
+                            : std::count(fields.begin(), fields.end(), "plastic_strain") > 0;
+    if (typed && wanted && !flows)
+      findings.add(typed->where,
+                   fmt::format("{}.{}: there is no plastic strain where nothing flows; give a material "
+                               "plastic = {{ cohesion = ... }}",
+                               table, key));
+  }
+  if (flows) check_plastic_bodies(document, scene, findings);
 
   check_flat(document, scene, findings);
   check_energy_tolerance(document, scene, findings);

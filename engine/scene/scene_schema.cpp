@@ -119,25 +119,26 @@ const Table& contact_table() {
 
 const Table& output_table() {
   using S = OutputSettings;
-  static const Table table{"output",
-                           "[output]",
-                           "What is written.",
-                           {{.name = "fps",
-                             .meaning = "frames a second of simulated time",
-                             .slot = at<&S::fps>,
-                             .unit = "1/s",
-                             .range = positive},
-                            {.name = "fields",
-                             .meaning = "fields stored with the positions",
-                             .slot = at<&S::fields>,
-                             .choices = {"velocity", "displacement", "strain", "energy", "damage"}},
-                            {.name = "data", .meaning = "write run.vtkhdf and run.xmf", .slot = at<&S::data>},
-                            {.name = "checkpoint_every",
-                             .meaning = "frames between checkpoints; 0: only at the end and when interrupted",
-                             .slot = at<&S::checkpoint_every>,
-                             .unit = "frames",
-                             .range = {.low = 0, .high = 1e6}}},
-                           std::make_shared<S>()};
+  static const Table table{
+      "output",
+      "[output]",
+      "What is written.",
+      {{.name = "fps",
+        .meaning = "frames a second of simulated time",
+        .slot = at<&S::fps>,
+        .unit = "1/s",
+        .range = positive},
+       {.name = "fields",
+        .meaning = "fields stored with the positions",
+        .slot = at<&S::fields>,
+        .choices = {"velocity", "displacement", "strain", "energy", "damage", "plastic_strain"}},
+       {.name = "data", .meaning = "write run.vtkhdf and run.xmf", .slot = at<&S::data>},
+       {.name = "checkpoint_every",
+        .meaning = "frames between checkpoints; 0: only at the end and when interrupted",
+        .slot = at<&S::checkpoint_every>,
+        .unit = "frames",
+        .range = {.low = 0, .high = 1e6}}},
+      std::make_shared<S>()};
   return table;
 }
 
@@ -247,7 +248,7 @@ const Table& render_table() {
        {.name = "color",
         .meaning = "by body, or a field",
         .slot = at<&R::color>,
-        .choices = {"body", "velocity", "displacement", "strain", "energy", "damage"}},
+        .choices = {"body", "velocity", "displacement", "strain", "energy", "damage", "plastic_strain"}},
        {.name = "range",
         .meaning = "least and greatest value of the field's colours; by default those that occur",
         .slot = at<&R::range>,

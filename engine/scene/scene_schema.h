@@ -91,6 +91,7 @@ const Table& rotation_table();
 const Table& material_table();
 const Table& basis_table();
 const Table& anisotropy_table();
+const Table& plastic_table();
 const Table& body_table();
 const Table& boundary_table();
 const Table& moved_table();
@@ -105,6 +106,8 @@ Key form_key();
 Key basis_key();
 Key calibration_key();
 Key anisotropy_key();
+/// Of one that flows.
+Key plastic_key();
 /// All tables that root() reaches, each once, in order of first mention.
 std::vector<const Table*> all_tables();
 

@@ -255,7 +255,8 @@ const Table& material_table() {
         .meaning = "instead: bonds break beyond (1 + this) times their length at rest",
         .slot = at<&Material::critical_stretch>,
         .range = {.low = 0, .above = true, .why = "bonds at rest have a stretch of 1 and must not break"},
-        .example = "0.02"}},
+        .example = "0.02"},
+       plastic_key()},
       std::make_shared<Material>()};
   return table;
 }

@@ -1,6 +1,8 @@
 // The keys of a scene file, part three: materials whose law is one over basis functions.
 #include "engine/scene/scene_schema_slot.h"
 
+#include <numbers>
+
 namespace pliant::schema {
 namespace {
 
@@ -21,6 +23,9 @@ bool has_basis(const void* object) {
 }
 bool has_calibration(const void* object) {
   return material_of(object).law == "basis" || material_of(object).law == "stvk";
+}
+bool flows(const void* object) {
+  return material_of(object).plastic.given;
 }
 bool has_directions(const void* object) {
   return material_of(object).anisotropy.given;
@@ -92,6 +97,44 @@ const Table& anisotropy_table() {
         .applies = [](const void* object) { return static_cast<const Anisotropy*>(object)->around; }}},
       std::make_shared<Anisotropy>()};
   return table;
+}
+
+const Table& plastic_table() {
+  static const Table table{
+      "plastic",
+      "plastic = { ... }",
+      "Drucker-Prager plasticity: beyond its strength the material flows and stays as it is then.",
+      {{.name = "cohesion",
+        .meaning = "strength in shear without pressure (Mohr and Coulomb's c); without friction the material "
+                   "yields in tension at twice this",
+        .slot = at<&Plasticity::cohesion>,
+        .unit = "Pa",
+        .range = {.low = 0, .why = "less than no cohesion would push matter apart"},
+        .example = "1e4",
+        .required = true},
+       {.name = "friction",
+        .meaning = "angle of internal friction; 0 is von Mises",
+        .slot = at<&Plasticity::friction>,
+        .unit = "degrees",
+        .range =
+            {.low = 0, .high = 90, .below = true, .why = "at 90 degrees nothing yields under any pressure"},
+        .scale = std::numbers::pi / 180},
+       {.name = "hardening",
+        .meaning = "cohesion gained by a unit of equivalent plastic strain",
+        .slot = at<&Plasticity::hardening>,
+        .unit = "Pa",
+        .range = {.low = 0, .why = "matter that softens tears where it starts to, whatever the spacing"}}},
+      std::make_shared<Plasticity>()};
+  return table;
+}
+
+Key plastic_key() {
+  return {.name = "plastic",
+          .meaning = "the material flows where its strength is exceeded; its law is \"ordinary\"",
+          .nested = {.table = &plastic_table(),
+                     .add = child<&Material::plastic>,
+                     .all = only<&Material::plastic>},
+          .applies = flows};
 }
 
 Key form_key() {

@@ -102,9 +102,10 @@ void Failure::repack() {
   SimulationState& s = state_;
   const std::vector<std::uint32_t> begin = device_.download_uint(s.slice_begin);
   std::vector<std::uint32_t> bond = device_.download_uint(s.bond);
-  // Two arrays of numbers beside the bonds; the second where stiffness depends on direction.
+  // Arrays of numbers beside the bonds; more where stiffness depends on direction, and where bonds flow.
   std::vector<Buffer*> beside{&s.weight};
   if (plan_.find("strength")) beside.push_back(&s.strength);
+  if (plan_.find("rest")) beside.push_back(&s.rest);
   std::vector<std::vector<std::byte>> values;
   for (Buffer* buffer : beside) {
     values.emplace_back((*buffer)->bytes());

@@ -27,7 +27,8 @@ constexpr std::array colours{Colour{"body", "", 0},
                              Colour{"strain", "equivalent strain", 2},
                              Colour{"energy", "energy density (J/m3)", 3},
                              Colour{"displacement", "displacement (m)", 4},
-                             Colour{"damage", "damage", 5}};
+                             Colour{"damage", "damage", 5},
+                             Colour{"plastic_strain", "plastic strain", 6}};
 
 std::uint32_t colour_option(const Scene& scene) {
   for (const Colour& colour : colours)
@@ -147,6 +148,7 @@ void FrameOutput::update() {
       .gradient = gradient_,
       .energy = s.energy,
       .shape = s.shape,
+      .flow = s.flow,
       .start = start_,
       .particle = particle_});
   if (vertex_)
@@ -211,6 +213,10 @@ std::vector<float> FrameOutput::field(const std::string& name, unsigned& compone
   }
   if (name == "damage" && simulation_.plan_.failure) {
     for (const double damage : simulation_.damage()) values.push_back(static_cast<float>(damage));
+    return values;
+  }
+  if (name == "plastic_strain" && simulation_.plan_.plastic) {
+    for (const double strain : simulation_.plastic_strain()) values.push_back(static_cast<float>(strain));
     return values;
   }
   throw Error(ExitCode::usage,

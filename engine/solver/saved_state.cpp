@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace pliant {
 
 std::vector<std::string> persistent_buffers(const Plan& plan) {
@@ -23,6 +25,9 @@ std::vector<std::string> persistent_buffers(const Plan& plan) {
     for (const char* name :
          {"slice_begin", "bond", "weight", "strength", "shape", "linear_start", "released"})
       names.emplace_back(name);
+  if (plan.plastic) // lengths of bonds at rest, what led to them, and K_i
+    for (const char* name : {"rest", "flow", "linear_start"})
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
   return names;
 }
 

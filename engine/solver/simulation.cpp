@@ -8,6 +8,7 @@
 #include "engine/solver/frame.h"
 #include "engine/solver/global_step.h"
 #include "engine/solver/motion.h"
+#include "engine/solver/plasticity.h"
 #include "engine/solver/saved_state.h"
 #include "engine/solver/state.h"
 #include "engine/solver/stiffness.h"
@@ -71,6 +72,8 @@ Simulation::Simulation(Device& device, const Scene& scene, const Model& model, c
     contacts_ = std::make_unique<Contacts>(device_, scene, model, scene_origin_, contact_use(plan_.method));
   if (plan_.failure)
     failure_ = std::make_unique<Failure>(device_, scene, model, plan_, *state_, *elasticity_);
+  if (plan_.plastic)
+    plastic_ = std::make_unique<PlasticFlow>(device_, scene, model, plan_, *state_, elasticity_->unit());
   global_step_ = make_global_step({device_, scene_, model_, plan_, *state_, *elasticity_, contacts_.get()});
   choose_step(time_step_);
   if (plan_.frames) frame_ = std::make_unique<FrameOutput>(*this);
@@ -207,6 +210,10 @@ std::vector<double> Simulation::damage() {
   return failure_ ? failure_->damage() : std::vector<double>(model_.count(), 0.0);
 }
 
+std::vector<double> Simulation::plastic_strain() {
+  return plastic_ ? plastic_->strain() : std::vector<double>(model_.count(), 0.0);
+}
+
 std::uint32_t Simulation::contacts_dropped() {
   return contacts_ && step_ > 0 ? contacts_->overflow().contacts : 0;
 }
@@ -233,6 +240,11 @@ Snapshot Simulation::snapshot() {
     for (const Real4d& v : device_.download_real4(s.earlier_shift)) state.earlier_shift.push_back(unpack(v));
   }
   if (plan_.find("rotation")) state.rotation = device_.download_real4(s.rotation);
+  if (plan_.plastic) {
+    state.rest = device_.download_real(s.rest);
+    state.flow = device_.download_real4(s.flow);
+    state.diagonal = device_.download_real4(s.linear_start);
+  }
   return state;
 }
 
@@ -259,6 +271,11 @@ void Simulation::restore(const Snapshot& state) {
     device_.upload(s.earlier_shift, rows);
   }
   if (plan_.find("rotation") && !state.rotation.empty()) device_.upload(s.rotation, state.rotation);
+  if (plan_.plastic && !state.rest.empty()) {
+    device_.upload(s.rest, state.rest);
+    device_.upload(s.flow, state.flow);
+    device_.upload(s.linear_start, state.diagonal);
+  }
   if (plan_.held) held_count_ = ~0u; // whoever is held at the new time is sent again
 }
 

@@ -18,6 +18,7 @@ class Contacts;
 class Elasticity;
 class Failure;
 class GlobalStep;
+class PlasticFlow;
 class FrameOutput;
 struct SavedState;
 struct SimulationState;
@@ -43,6 +44,10 @@ struct StepStatistics {
   std::size_t not_finite = 0;                    ///< particles
   std::size_t broken_bonds = 0;                  ///< so far
   double fracture_energy = 0;                    ///< J, so far: what broken bonds held when they broke
+  std::size_t yielding = 0;                      ///< particles that flowed in this step
+  double plastic_work = 0;                       ///< J, so far: what plastic flow took
+  double plastic_strain = 0;                     ///< largest equivalent plastic strain so far
+  double plastic_volume = 0;                     ///< m3, so far: gained at the apex of the yield surface
   // Of a line search on a potential.
   double energy_error = 0;   ///< estimated, of Eq. 25 (Xu et al. 2018); 1 where nothing asked for it
   unsigned energy_rises = 0; ///< iterates taken though the potential rose by more than the precision can tell
@@ -55,6 +60,8 @@ struct Snapshot {
   std::vector<double> felt_gravity;                     ///< 0 to 1
   std::vector<Vector3> earlier_velocity, earlier_shift; ///< BDF2; else empty
   std::vector<Real4<double>> rotation;                  ///< corotated law; else empty
+  std::vector<double> rest;                             ///< plasticity, as on the device; else empty
+  std::vector<Real4<double>> flow, diagonal;            ///< with it
 };
 
 class Simulation {
@@ -123,6 +130,8 @@ public:
   std::uint32_t contacts_dropped();
   /// 1 less the share of its bonds' weights that is left to each particle; zero without failure.
   std::vector<double> damage();
+  /// Equivalent plastic strain of every particle; zero without plasticity.
+  std::vector<double> plastic_strain();
   /// FNV-1a of final positions and velocities as the device stores them, by id.
   std::string hash();
 
@@ -154,6 +163,7 @@ private:
   std::unique_ptr<SimulationState> state_;
   std::unique_ptr<Elasticity> elasticity_;
   std::unique_ptr<Failure> failure_;
+  std::unique_ptr<PlasticFlow> plastic_;
   std::unique_ptr<Contacts> contacts_;
   std::unique_ptr<GlobalStep> global_step_;
   std::unique_ptr<FrameOutput> frame_;
@@ -170,7 +180,7 @@ private:
   bool kept_first_of_bdf2_ = true;
   struct Pending {
     std::uint64_t step = 0;
-    std::unique_ptr<Readback> readback, fracture;
+    std::unique_ptr<Readback> readback, fracture, plastic;
   };
   std::deque<Pending> pending_;
   std::deque<std::unique_ptr<Readback>> flags_;

@@ -21,6 +21,8 @@ struct SimulationState {
   Buffer stretch_record, energies, strength;   // laws over basis functions; strength: of directions
   // Failure.
   Buffer toughness, energy_before, released, fracture;
+  // Plasticity.
+  Buffer rest, yield, flow, plastic_row;
   // Solver.
   Buffer solver, residual_partial;
   // Methods with a line search.

@@ -3,6 +3,7 @@
 #include "engine/solver/elasticity.h"
 #include "engine/solver/failure.h"
 #include "engine/solver/global_step.h"
+#include "engine/solver/plasticity.h"
 #include "engine/solver/simulation.h"
 #include "engine/solver/state.h"
 #include "kernels/all.h"
@@ -37,8 +38,9 @@ void Simulation::write_statistics() {
                                               .solver = s.solver,
                                               .statistics = s.statistics});
   const std::size_t bytes = 16 * element_bytes(Type::real, device_.info().precision);
-  pending_.push_back({step_ + 1, device_.request(s.statistics, row * bytes, bytes), nullptr});
+  pending_.push_back({step_ + 1, device_.request(s.statistics, row * bytes, bytes), nullptr, nullptr});
   if (failure_) pending_.back().fracture = failure_->sums(row);
+  if (plastic_) pending_.back().plastic = plastic_->sums(row);
 }
 
 StepStatistics Simulation::row(std::span<const std::byte> bytes, std::uint64_t step) const {
@@ -100,6 +102,7 @@ StepStatistics joined(const StepStatistics& earlier, const StepStatistics& later
   both.largest_speed = std::max(earlier.largest_speed, later.largest_speed);
   both.largest_displacement += earlier.largest_displacement;
   both.not_finite = std::max(earlier.not_finite, later.not_finite);
+  both.yielding = std::max(earlier.yielding, later.yielding);
   return both;
 }
 
@@ -120,6 +123,14 @@ std::vector<StepStatistics> Simulation::take_statistics(bool wait) {
       const std::span<const std::byte> sums = pending_.front().fracture->wait();
       next.broken_bonds = static_cast<std::size_t>(std::lround(real_at(sums, 0, wide)));
       next.fracture_energy = real_at(sums, 1, wide);
+    }
+    if (pending_.front().plastic) {
+      const bool wide = device_.info().precision == Precision::double_precision;
+      const std::span<const std::byte> sums = pending_.front().plastic->wait();
+      next.yielding = static_cast<std::size_t>(std::lround(real_at(sums, 0, wide)));
+      next.plastic_work = real_at(sums, 1, wide);
+      next.plastic_strain = real_at(sums, 2, wide);
+      next.plastic_volume = real_at(sums, 3, wide);
     }
     pending_.pop_front();
     if (rows.empty() || rows.back().step != next.step)

@@ -5,6 +5,7 @@
 #include "engine/solver/elasticity.h"
 #include "engine/solver/failure.h"
 #include "engine/solver/global_step.h"
+#include "engine/solver/plasticity.h"
 #include "engine/solver/simulation.h"
 #include "engine/solver/state.h"
 #include "kernels/all.h"
@@ -64,6 +65,7 @@ bool Simulation::iterate(bool look) {
 
 void Simulation::end_solving() {
   restore_momentum();
+  if (plastic_) plastic_->flow(); // Eqs. 14 to 18
   if (failure_) failure_->break_bonds();
   advance();
   if (failure_) failure_->release();

@@ -11,7 +11,7 @@ constexpr double limit = 6; // three sums and a root; 1 seen
 
 TEST_P(FrameParticles, Formula) {
   for (const std::size_t count : awkward_sizes)
-    for (int field = 0; field <= 4; ++field) {
+    for (int field : {0, 1, 2, 3, 4, 6}) {
       Random random(kernel_seed + 43);
       const Vector3 scene(64, -32, 16);
       Values in{{"field", {double(field)}},
@@ -30,16 +30,23 @@ TEST_P(FrameParticles, Formula) {
       if (field == 1) in["velocity"] = velocity;
       if (field == 2) in["gradient"] = gradient;
       if (field == 3) in["energy"] = energy;
-      if (field >= 3) in["start"] = start;
+      if (field == 3 || field == 4) in["start"] = start;
+      const std::vector<double> flow = random_groups(random, 2 * count, 1);
+      if (field == 6) in["flow"] = flow;
       Expected particle(in["particle"]);
       for (std::size_t i = 0; i < count; ++i) {
         in["owner"].push_back(double(i % 3));
         const Vector3 o = vector_at(in["origin"], i % 3), y = vector_at(in["position"], i), x = scene + o + y;
         const Vector3 size = scene.cwiseAbs() + o.cwiseAbs() + y.cwiseAbs();
         set_vector(particle, i, x, size);
-        const double wanted[] = {0, vector_at(velocity, i).norm(), gradient[12 * i + 3],
-                                 energy[i] / start[4 * i + 3], (x - vector_at(start, i)).norm()};
-        const double scale[] = {0, wanted[1], 0, wanted[3], size.norm() + 1};
+        const double wanted[] = {0,
+                                 vector_at(velocity, i).norm(),
+                                 gradient[12 * i + 3],
+                                 energy[i] / start[4 * i + 3],
+                                 (x - vector_at(start, i)).norm(),
+                                 0,
+                                 flow[8 * i]};
+        const double scale[] = {0, wanted[1], 0, wanted[3], size.norm() + 1, 0, 0};
         particle.set(4 * i + 3, wanted[field], scale[field]);
       }
       expect_kernel<kernels::frame_particles::Args>(GetParam(), static_cast<std::uint32_t>(count), in,

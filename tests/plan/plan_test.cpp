@@ -126,6 +126,34 @@ TEST_P(PlanTruth, InversionAddsOnlyItsOwn) {
     }
 }
 
+// Materials that flow bring rest lengths, what led to them, and variants of their law's kernels; elastic ones
+// have nothing of it, and the same variants as ever.
+TEST_P(PlanTruth, PlasticityAddsOnlyItsOwn) {
+  for (const char* method : {"chebyshev", "newton"})
+    for (const bool watched : {false, true}) {
+      PlanScene made = elastic_only("ordinary");
+      made.scene.solver.method = method;
+      made.scene.solver.preconditioner = "diagonal";
+      made.request.statistics = made.request.divergence = watched;
+      const Truth plain = expect_truth(GetParam(), made, method);
+      EXPECT_EQ(std::count(plain.plan.left_out.begin(), plain.plan.left_out.end(), "plasticity"), 1);
+      for (const std::string& name : plain.dispatched) {
+        EXPECT_EQ(name.find("plastic="), name.find("plastic=0")) << name;
+        EXPECT_NE(name.rfind("plastic_", 0), 0u) << name;
+      }
+      made.scene.materials[0].plastic = {true, 1e3, 0.5, 0};
+      const Truth flowing = expect_truth(GetParam(), made, std::string("flowing, ") + method);
+      Names buffers{"rest", "yield", "flow"};
+      if (watched) buffers.insert({"plastic_row", "kept_rest", "kept_flow", "kept_linear_start"});
+      EXPECT_EQ(difference(flowing.allocated, plain.allocated), buffers);
+      EXPECT_TRUE(difference(plain.allocated, flowing.allocated).empty());
+      EXPECT_EQ(difference(Names(flowing.plan.used.begin(), flowing.plan.used.end()),
+                           Names(plain.plan.used.begin(), plain.plan.used.end())),
+                Names{"plasticity"});
+      EXPECT_EQ(flowing.dispatched.size(), plain.dispatched.size() + (watched ? 3 : 2));
+    }
+}
+
 // Directions cost their strengths, and nothing where there are none; no other law has anything of this one.
 TEST_P(PlanTruth, DirectionsAddTheirStrengthsOnly) {
   for (const char* method : {"chebyshev", "newton"}) {
@@ -259,11 +287,12 @@ TEST_P(PlanTruth, EverythingTogether) {
   for (const Switch& one : switches()) one.on(made);
   made.request.fields = {"strain", "energy"};
   const Truth truth = expect_truth(GetParam(), made, "everything");
-  EXPECT_EQ(truth.plan.left_out,
-            (std::vector<std::string>{"line search", "diagonal preconditioner", "preconditioner",
-                                      "turning bonds", "direct", "newton", "quasi-newton", "l-bfgs",
-                                      "corotated elasticity", "ordinary elasticity", "basis elasticity",
-                                      "neo-hookean elasticity", "inversion", "sheets", "plane", "failure"}));
+  EXPECT_EQ(
+      truth.plan.left_out,
+      (std::vector<std::string>{"line search", "diagonal preconditioner", "preconditioner", "turning bonds",
+                                "direct", "newton", "quasi-newton", "l-bfgs", "corotated elasticity",
+                                "ordinary elasticity", "basis elasticity", "neo-hookean elasticity",
+                                "inversion", "sheets", "plane", "failure", "plasticity"}));
 }
 
 TEST(Plan, BytesOfALargeBall) {

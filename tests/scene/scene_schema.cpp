@@ -59,7 +59,12 @@ std::string good_table(const Table& table, const Key* also) {
   if (&table == &schema::material_table() && also && also->applies) {
     const bool basis = also->name == "basis",
                stretch = also->name == "form" || also->name == "calibration" || also->name == "anisotropy";
-    text += std::string(", law = \"") + (basis ? "basis" : stretch ? "stvk" : "projective") + "\"";
+    text += std::string(", law = \"") +
+            (basis                     ? "basis"
+             : stretch                 ? "stvk"
+             : also->name == "plastic" ? "ordinary"
+                                       : "projective") +
+            "\"";
   }
   if (&table == &schema::render_table() && also && also->name == "range") text += ", color = \"strain\"";
   if (&table == &schema::simulation_table() && also && also->name == "plane") text += ", dimension = 2";
@@ -82,6 +87,8 @@ std::string scene_around(const Table& table, const std::string& inner) {
     materials = "{rubber = " + inner + "}";
   else if (name == "basis")
     materials = "{rubber = {law = \"basis\", basis = " + inner + "}}";
+  else if (name == "plastic")
+    materials = "{rubber = {plastic = " + inner + "}}";
   else if (name == "anisotropy")
     materials = "{rubber = {law = \"stvk\", anisotropy = " + inner + "}}";
   else if (name == "turned" || name == "around")

@@ -27,6 +27,9 @@ template <class real> void frame_particles(const kernels::frame_particles::View<
     case 5:
       value = 1 - k.shape[k.share_at + i];
       break;
+    case 6:
+      value = k.flow[2 * std::size_t{i}].x;
+      break;
     default:
       break;
     }
