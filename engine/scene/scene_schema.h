@@ -101,13 +101,6 @@ const Table& deformed_table();
 const Table& simulation_table();
 const Table& camera_table();
 const Table& render_table();
-/// Keys of a material whose law is one over basis functions.
-Key form_key();
-Key basis_key();
-Key calibration_key();
-Key anisotropy_key();
-/// Of one that flows.
-Key plastic_key();
 /// All tables that root() reaches, each once, in order of first mention.
 std::vector<const Table*> all_tables();
 

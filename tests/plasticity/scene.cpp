@@ -126,7 +126,7 @@ TEST(PlasticScene, ColumnsAreReadBack) {
       row.ms_components.assign(components.size(), 0.5);
       if (breaks) row.fracture = {7, 0.1};
       if (flows) row.plastic = {12, 1.0 / 3, 0.02, -1e-9};
-      StatisticsWriter(path, components).append(row);
+      StatisticsWriter(path, components, false).append(row);
       const std::vector<StatisticsRow> rows = read_statistics(path);
       ASSERT_EQ(rows.size(), 1u);
       EXPECT_EQ(rows[0].plastic, row.plastic);

@@ -1,4 +1,4 @@
-// The keys of a scene file, part three: materials whose law is one over basis functions.
+// The keys of a scene file, part three: materials.
 #include "engine/scene/scene_schema_slot.h"
 
 #include <numbers>
@@ -14,6 +14,12 @@ std::vector<void*> only_itself(void* object) {
 }
 const Material& material_of(const void* object) {
   return *static_cast<const Material*>(object);
+}
+bool projective(const void* object) {
+  return material_of(object).law == "projective";
+}
+bool may_invert(const void* object) {
+  return may_invert(material_of(object));
 }
 bool has_form(const void* object) {
   return material_of(object).law == "stvk" || material_of(object).law == "neo-hookean";
@@ -128,6 +134,8 @@ const Table& plastic_table() {
   return table;
 }
 
+namespace {
+
 Key plastic_key() {
   return {.name = "plastic",
           .meaning = "the material flows where its strength is exceeded; its law is \"ordinary\"",
@@ -171,6 +179,74 @@ Key anisotropy_key() {
                      .add = child<&Material::anisotropy>,
                      .all = only<&Material::anisotropy>},
           .applies = has_directions};
+}
+
+} // namespace
+
+const Table& material_table() {
+  static const Table table{
+      "materials",
+      "[materials.<name>]",
+      "A material.",
+      {{.name = "model", .meaning = "kind of matter", .slot = at<&Material::model>, .choices = {"elastic"}},
+       {.name = "law",
+        .meaning = "elastic law; \"projective\" has Poisson's ratio 1/4 always",
+        .slot = at<&Material::law>,
+        .choices = {"corotated", "ordinary", "projective", "basis", "stvk", "neo-hookean"}},
+       form_key(),
+       basis_key(),
+       calibration_key(),
+       anisotropy_key(),
+       {.name = "density",
+        .meaning = "mass of a unit of volume",
+        .slot = at<&Material::density>,
+        .unit = "kg/m3",
+        .range = {.low = 0, .above = true, .why = "matter without mass has no motion"}},
+       {.name = "young",
+        .meaning = "Young's modulus",
+        .slot = at<&Material::young>,
+        .unit = "Pa",
+        .range = {.low = 0,
+                  .high = 1e12,
+                  .above = true,
+                  .why = "matter without stiffness is not elastic, and none is stiffer than diamond"}},
+       {.name = "poisson",
+        .meaning = "Poisson's ratio; at most 0.499 in solids; law = \"projective\": 1/4, in sheets 1/3",
+        .slot = at<&Material::poisson>,
+        .range = {.low = 0,
+                  .high = 0.95,
+                  .why = "at 0.5 the bulk modulus of solids is infinite, and that of sheets at 1"}},
+       {.name = "split",
+        .meaning = "law \"projective\" only: share of the deviatoric term",
+        .slot = at<&Material::split>,
+        .range = unit_interval,
+        .applies = projective},
+       {.name = "inversion",
+        .meaning =
+            "laws over bonds: \"clamp\" pushes inverted neighbourhoods back; law \"projective\": \"clamp\" "
+            "always, or \"swap\", which fails by design",
+        .slot = at<&Material::inversion>,
+        .choices = {"none", "clamp", "swap"},
+        .example = "\"clamp\"",
+        .applies = may_invert},
+       {.name = "color",
+        .meaning = "red, green, blue from 0 to 1",
+        .slot = at<&Material::color>,
+        .range = unit_interval},
+       {.name = "fracture_energy",
+        .meaning = "energy that a unit of crack takes: bonds break; by default never",
+        .slot = at<&Material::fracture_energy>,
+        .unit = "J/m2",
+        .range = {.low = 0, .above = true, .why = "a crack that takes no energy is there from the start"},
+        .example = "135"},
+       {.name = "critical_stretch",
+        .meaning = "instead: bonds break beyond (1 + this) times their length at rest",
+        .slot = at<&Material::critical_stretch>,
+        .range = {.low = 0, .above = true, .why = "bonds at rest have a stretch of 1 and must not break"},
+        .example = "0.02"},
+       plastic_key()},
+      std::make_shared<Material>()};
+  return table;
 }
 
 } // namespace pliant::schema
