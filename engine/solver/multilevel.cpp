@@ -37,7 +37,7 @@ bool rotates(const Model& model) {
 } // namespace
 
 bool turns_bonds(const LawRange& range) {
-  return range.count > 0 && !has_rotation(range) && range.law != Law::projective;
+  return range.count > 0 && range.law == Law::basis;
 }
 
 bool turns_bonds(const Model& model) {

@@ -19,7 +19,8 @@ struct MultilevelPlan {
 };
 MultilevelPlan plan_multilevel(const Hierarchy& hierarchy, const Model& model, const ContactPlan& contacts);
 
-/// Whether neighbourhoods of bonds, whose law has no rotation, get one for the coarse elements.
+/// Whether neighbourhoods of a law over basis functions, which has no rotation, get one for the coarse
+/// elements. The ordinary law does without: bodies that start collapsed then come back on other paths.
 bool turns_bonds(const LawRange& range);
 bool turns_bonds(const Model& model);
 
