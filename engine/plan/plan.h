@@ -22,7 +22,7 @@ struct PlanRequest {
   bool frames = false;             ///< world positions, for files and pictures
   std::vector<std::string> fields; ///< "velocity", "displacement", "strain", "energy", "damage",
                                    ///< "plastic_strain": only with frames
-  bool surfaces = true; ///< carried meshes, where there are any: only with frames
+  bool surfaces = true;            ///< carried meshes, where there are any: only with frames
 };
 
 struct Plan {
