@@ -279,10 +279,10 @@ private:
   }
 
   bool breaks() const {
-    return std::any_of(particles_.material.begin(), particles_.material.end(), [&](std::uint32_t m) {
-      const std::size_t typed = scene_.materials.size();
-      return scene_.materials[m < typed ? m : model_.sheet_material[m - typed]].breaks();
-    });
+    return scene_.materials[base_material_].breaks() ||
+           std::any_of(body_.regions.begin(), body_.regions.end(), [&](const MaterialRegion& region) {
+             return scene_.material(region.material)->breaks();
+           });
   }
 
   void describe(const Sampling& sampling) {

@@ -3,6 +3,7 @@
 
 #include "engine/core/error.h"
 #include "engine/model/anisotropy.h"
+#include "engine/model/lame.h"
 #include "engine/model/moments.h"
 
 #include <Eigen/LU>
@@ -27,13 +28,6 @@ Matrix3 cofactor(const Matrix3& f) {
   Matrix3 c;
   for (int k = 0; k < 3; ++k) c.col(k) = f.col((k + 1) % 3).cross(f.col((k + 2) % 3));
   return c;
-}
-
-struct Lame {
-  double mu, lambda;
-};
-Lame lame_of(double young, double poisson) {
-  return {young / (2 * (1 + poisson)), young * poisson / ((1 + poisson) * (1 - 2 * poisson))};
 }
 
 /// Points and weights on [-1, 1] by Newton's method on the Legendre polynomial.
@@ -213,7 +207,7 @@ const char* classical_name(ClassicalLaw law) {
 }
 
 double classical_energy(ClassicalLaw law, double young, double poisson, const Matrix3& f) {
-  const Lame c = lame_of(young, poisson);
+  const Lame c = lame_constants(young, poisson);
   const Matrix3 one = Matrix3::Identity();
   switch (law) {
   case ClassicalLaw::linear:
@@ -235,7 +229,7 @@ double classical_energy(ClassicalLaw law, double young, double poisson, const Ma
 }
 
 Matrix3 classical_stress(ClassicalLaw law, double young, double poisson, const Matrix3& f) {
-  const Lame c = lame_of(young, poisson);
+  const Lame c = lame_constants(young, poisson);
   const Matrix3 one = Matrix3::Identity();
   switch (law) {
   case ClassicalLaw::linear:

@@ -2,6 +2,7 @@
 #include "engine/model/failure.h"
 
 #include "engine/core/error.h"
+#include "engine/model/lame.h"
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>
@@ -15,18 +16,15 @@ namespace pliant {
 
 double critical_stretch(double fracture_energy, double young, double poisson, double reach,
                         Neighbourhood neighbourhood) {
-  const double shear = young / (2 * (1 + poisson));
+  const auto [shear, lame] = lame_constants(young, poisson, neighbourhood);
   double modulus = 0, factor = 1;
   if (neighbourhood != Neighbourhood::solid) {
-    const double lame = neighbourhood == Neighbourhood::plane_stress
-                            ? young * poisson / (1 - poisson * poisson)
-                            : young * poisson / ((1 + poisson) * (1 - 2 * poisson));
     const double bulk = lame + shear;
     modulus = 4 * shear;
     factor +=
         16 / (9 * std::numbers::pi * std::numbers::pi) * (bulk - 2 * shear) / (6 / std::numbers::pi * shear);
   } else {
-    const double bulk = young / (3 * (1 - 2 * poisson));
+    const double bulk = lame + 2. / 3 * shear;
     modulus = 7.5 * shear;
     factor += 81. / 256 * (bulk - 5. / 3 * shear) / (3 * shear);
   }

@@ -1,6 +1,7 @@
 // Builds the coarse levels.
 #include "engine/model/hierarchy.h"
 
+#include "engine/model/lame.h"
 #include "engine/scene/scene.h"
 
 #include <algorithm>
@@ -20,14 +21,11 @@ struct Key {
   auto operator<=>(const Key&) const = default; // NOLINT(modernize-use-nullptr): of the defaulted comparison
 };
 
-struct Constants {
-  double mu = 0, lambda = 0; ///< Pa
-};
-
-Constants constants_of(const Material& material) {
+/// Capped: a material that only sheets have may have a ratio that no solid could have.
+Lame constants_of(const Material& material, Neighbourhood neighbourhood) {
   const SmallStrain real = small_strain(material);
-  const double nu = std::min(real.poisson, 0.499);
-  return {real.young / (2 * (1 + nu)), real.young * nu / ((1 + nu) * (1 - 2 * nu))};
+  const double most = neighbourhood == Neighbourhood::solid ? 0.499 : 0.95;
+  return lame_constants(real.young, std::min(real.poisson, most), neighbourhood);
 }
 
 Vector3 corner(int a) {
@@ -53,9 +51,10 @@ struct Gathers {
 class Builder {
 public:
   Builder(const Scene& scene, const Model& model) : model_(model), n_(model.count()) {
-    for (const Material& material : scene.materials) constants_.push_back(constants_of(material));
+    for (const Material& material : scene.materials)
+      constants_.push_back(constants_of(material, Neighbourhood::solid));
     for (const std::uint32_t typed : model.sheet_material)
-      constants_.push_back(constants_of(scene.materials[typed]));
+      constants_.push_back(constants_of(scene.materials[typed], Neighbourhood::plane_stress));
     place_.resize(n_);
     for (const BodyModel& body : model.bodies) {
       Vector3 low = Vector3::Constant(1e300);
@@ -297,7 +296,7 @@ private:
 
   const Model& model_;
   std::size_t n_;
-  std::vector<Constants> constants_;
+  std::vector<Lame> constants_;
   std::vector<Vector3> place_; ///< in spacings, from half a spacing below the body's lowest corner
   std::vector<Key> finer_nodes_, finer_cells_;
   Hierarchy h_;

@@ -1,6 +1,7 @@
 // What each law takes from Young's modulus and Poisson's ratio, by exact averages over the sphere of
 // directions.
 #include "engine/core/error.h"
+#include "engine/model/lame.h"
 #include "engine/model/model.h"
 
 #include <fmt/core.h>
@@ -13,7 +14,9 @@ namespace pliant {
 namespace {
 
 /// Of a disc; see law_constants in model.h.
-LawConstants flat_constants(Law law, double young, double poisson, double split, bool stress) {
+LawConstants flat_constants(Law law, double young, double poisson, double split,
+                            Neighbourhood neighbourhood) {
+  const bool stress = neighbourhood == Neighbourhood::plane_stress;
   LawConstants constants;
   if (law == Law::neo_hookean)
     throw Error(ExitCode::usage,
@@ -38,9 +41,7 @@ LawConstants flat_constants(Law law, double young, double poisson, double split,
                             "compression would at {}), not at {}",
                             most, stress ? "sheets and plane stress" : "plane strain", stress ? 1 : 0.5,
                             poisson));
-  const double shear = young / (2 * (1 + poisson));
-  const double lame = stress ? young * poisson / (1 - poisson * poisson)
-                             : young * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  const auto [shear, lame] = lame_constants(young, poisson, neighbourhood);
   if (law == Law::corotated) {
     constants.modulus = 4 * shear;
     constants.coupling = lame / shear;
@@ -62,8 +63,7 @@ LawConstants law_constants(Law law, double young, double poisson, double split, 
   if (!(split >= 0 && split <= 1))
     throw Error(ExitCode::usage,
                 fmt::format("the split of the projective law lies in 0 to 1, not at {}", split));
-  if (neighbourhood != Neighbourhood::solid)
-    return flat_constants(law, young, poisson, split, neighbourhood == Neighbourhood::plane_stress);
+  if (neighbourhood != Neighbourhood::solid) return flat_constants(law, young, poisson, split, neighbourhood);
   LawConstants constants;
   if (law == Law::projective) {
     // Homogeneous deformation: W = (mu_1 + lambda_1 / 2) <(s - 1)^2>, whatever the split, and the ratio is
@@ -83,8 +83,7 @@ LawConstants law_constants(Law law, double young, double poisson, double split, 
         fmt::format("Poisson's ratio must lie in 0 to 0.499 (the material's stiffness to compression is "
                     "infinite at 0.5), not at {}",
                     poisson));
-  const double shear = young / (2 * (1 + poisson));
-  const double lame = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  const auto [shear, lame] = lame_constants(young, poisson);
   if (law == Law::neo_hookean) {
     constants.modulus = 3 * shear;
     constants.coupling = 1.5 * lame / shear;

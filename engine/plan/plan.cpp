@@ -317,10 +317,6 @@ Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds,
   Plan plan;
   plan.particles = model.count();
   plan.bonds = model.bonds.count();
-  plan.corotated = any_law(model, Law::corotated);
-  plan.ordinary = any_law(model, Law::ordinary);
-  plan.projective = any_law(model, Law::projective);
-  plan.basis = any_law(model, Law::basis);
   plan.sheets = model.has_sheets();
   plan.plane = model.dimension == 2;
   plan.bdf2 = scene.solver.integrator == "bdf2";

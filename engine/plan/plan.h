@@ -27,7 +27,6 @@ struct PlanRequest {
 
 struct Plan {
   // Components.
-  bool corotated = false, ordinary = false, projective = false, basis = false;
   bool bdf2 = false, held = false, loaded = false, momentum = false, statistics = false, energy = false,
        divergence = false;
   bool boundaries = false, pairs = false;

@@ -22,9 +22,9 @@ void check_plastic(const TomlValue& value, Material& material, const std::string
                     path, material.law));
   for (const char* key : {"fracture_energy", "critical_stretch"})
     if (const TomlValue* breaks = value.find(key))
-      findings.add(breaks->key_where,
-                   fmt::format("{}.{}: a material cannot both flow and break yet; leave this or plastic out",
-                               path, key));
+      findings.add(
+          breaks->key_where,
+          fmt::format("{}.{}: a material cannot both flow and break; leave this or plastic out", path, key));
   if (plastic->kind == TomlValue::Kind::table && plastic->find("cohesion") &&
       material.plastic.cohesion == 0 && material.plastic.friction == 0)
     findings.add(plastic->find("cohesion")->where,
