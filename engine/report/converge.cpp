@@ -58,7 +58,7 @@ std::vector<Variant> all_variants() {
 }
 
 std::vector<Variant> wanted_variants(const std::vector<std::string>& only) {
-  const std::vector<Variant> all = all_variants();
+  std::vector<Variant> all = all_variants();
   if (only.empty()) return all;
   std::vector<Variant> wanted;
   for (const std::string& name : only) {
@@ -331,6 +331,7 @@ ConvergeReport converge_step(const Scene& scene, const ConvergeOptions& options)
                   report.reference.residual, report.reference.iterations, report.reference.seconds,
                   report.reference.agree_max));
   std::vector<std::unique_ptr<Device>> devices;
+  devices.reserve(places.size());
   for (const Place& place : places) devices.push_back(open_device(place.request));
   std::map<std::string, std::vector<std::string>> refused; // by reason
   std::size_t left = variants.size() * places.size();

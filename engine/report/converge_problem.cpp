@@ -108,7 +108,7 @@ void StepProblem::find_state(const Scene& scene, const ConvergeOptions& options)
                         row.step, row.not_finite));
       if (!options.at && row.first_residual > hardest) {
         hardest = row.first_residual;
-        start_ = std::move(before);
+        start_ = before; // not moved: a step may have several rows
       }
     }
     if (seconds_since(said) > 5) {

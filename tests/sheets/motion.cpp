@@ -79,7 +79,7 @@ Model disturbed(const Scene& scene) {
   const Matrix3 axes = model.bodies[0].axes;
   const Points own = own_positions(model, model.position);
   for (std::size_t i = 0; i < model.count(); ++i) {
-    const Vector3 x = own[i];
+    const Vector3& x = own[i];
     model.position[i] += axes * Vector3(0.05 * std::sin(3 * x.y()), 0.04 * std::cos(2 * x.x()), 0);
     model.velocity[i] = axes * Vector3(0.2 * x.y(), 0.1, 0);
   }
