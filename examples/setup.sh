@@ -9,7 +9,7 @@ pliant_meshes="${XDG_CACHE_HOME:-${HOME:?HOME is not set: set it, or XDG_CACHE_H
 # Names of Debian 12 packages. Ubuntu 24.04 has them too.
 pliant_program_packages=(
   g++ cmake ninja-build ccache pkg-config
-  libeigen3-dev libsuitesparse-dev libhdf5-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libfmt-dev
+  libeigen3-dev libhdf5-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libfmt-dev
   libpng-dev python3-glad libegl1 libgl1-mesa-dri libosmesa6 ffmpeg)
 pliant_test_packages=(
   libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev python3-h5py python3-numpy glslang-tools

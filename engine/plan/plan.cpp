@@ -4,6 +4,7 @@
 #include "engine/model/failure.h"
 #include "engine/model/plasticity.h"
 #include "engine/solver/contact.h"
+#include "engine/solver/direct.h"
 #include "engine/solver/elastic_law.h"
 #include "engine/solver/frame.h"
 #include "engine/solver/inversion.h"
@@ -99,6 +100,11 @@ public:
     buffer("rotation", Type::real4, n_);
     kernels<kernels::bond_rotation::Args>();
     begin("direct", plan_.method.preconditioner == "direct");
+    if (active_) {
+      plan_.direct = std::make_shared<const DirectPlan>(plan_direct(model_));
+      for (const BufferSpec& spec : plan_.direct->buffers) buffer(spec.name, spec.type, spec.count);
+      for (const KernelSpec& spec : plan_.direct->kernels) kernel(spec);
+    }
     begin("newton", method == "newton");
     buffer("direction", Type::real4, n_);
     buffer("descent", Type::real4, n_);

@@ -13,6 +13,7 @@
 
 namespace pliant {
 
+struct DirectPlan;
 struct Hierarchy;
 
 /// What the caller wants besides the motion itself.
@@ -37,6 +38,7 @@ struct Plan {
   bool plastic = false;
   Method method;
   std::shared_ptr<const Hierarchy> hierarchy; ///< null without the multilevel preconditioner
+  std::shared_ptr<const DirectPlan> direct;   ///< null without the constant matrix's factor
   bool frames = false, surfaces = false, strain = false;
 
   std::size_t particles = 0, bonds = 0;

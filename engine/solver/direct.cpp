@@ -1,122 +1,106 @@
-// Factorises and solves.
+// Factorises, and runs the kernels that solve.
 #include "engine/solver/direct.h"
 
-#include "engine/core/error.h"
 #include "engine/core/memory.h"
 #include "engine/solver/state.h"
-#include "shaders/common/solver.glsl"
-
-#include <Eigen/SparseCholesky>
-#ifdef PLIANT_HAS_CHOLMOD
-#include <Eigen/CholmodSupport>
-#endif
+#include "engine/solver/stiffness.h"
+#include "kernels/factor_dot.h"
+#include "kernels/factor_down.h"
+#include "kernels/factor_up.h"
 
 #include <fmt/format.h>
+
+#include <span>
 
 namespace pliant {
 
 namespace {
 
-using Matrix = Eigen::SparseMatrix<double>;
-using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3>;
-
-#ifdef PLIANT_HAS_CHOLMOD
-/// Shows what the symbolic factorisation found.
-class Cholesky : public Eigen::CholmodSupernodalLLT<Matrix, Eigen::Lower> {
-public:
-  double entries() { return cholmod().lnz; }
-};
-#else
-class Cholesky : public Eigen::SimplicialLLT<Matrix, Eigen::Lower> {
-public:
-  double entries() const { return m_nonZerosPerCol.template cast<double>().sum(); }
-};
-#endif
+constexpr const char* component = "direct";
 
 } // namespace
 
-struct Direct::Factor {
-  Cholesky cholesky;
-};
-
-const char* Direct::library() {
-#ifdef PLIANT_HAS_CHOLMOD
-  return "CHOLMOD";
-#else
-  return "Eigen";
-#endif
+DirectPlan plan_direct(const Model& model) {
+  DirectPlan plan;
+  plan.dissection = dissect(model);
+  // The factor twice over, in double, and once more on the device.
+  require_memory(fmt::format("the direct solver's factor of {} particles needs", model.count()),
+                 24 * plan.dissection.entries(), available_memory(), model.spacing);
+  plan.layout = lay_out(plan.dissection);
+  const FactorLayout& layout = plan.layout;
+  const auto buffer = [&](const char* name, Type type, std::size_t count) {
+    plan.buffers.push_back({name, type, count, component});
+  };
+  buffer("factor_slot", Type::uint4, layout.slot.size());
+  buffer("front", Type::real4, layout.slot.size());
+  buffer("factor_block_up", Type::uint4, layout.up.size());
+  buffer("factor_up", Type::real, layout.coefficients_up);
+  buffer("factor_block_down", Type::uint4, layout.down.size());
+  buffer("factor_down", Type::real, layout.coefficients_down);
+  plan.kernels = {kernel_variant(kernels::factor_up::Args{}, component),
+                  kernel_variant(kernels::factor_down::Args{}, component),
+                  kernel_variant(kernels::factor_dot::Args{}, component)};
+  return plan;
 }
 
-Direct::Direct(const SolveContext& context) : Preconditioner(context), held_(context.model.count(), false) {
-  if (context.device.info().backend != "openmp")
-    throw Error(ExitCode::usage,
-                "the direct solver factorises a matrix on the CPU; on backend \"" +
-                    context.device.info().backend +
-                    "\" choose chebyshev, jacobi, position, lbfgs or newton, or --backend openmp");
-  for (const Held& entry : context.model.held) held_[entry.particle] = true;
+Direct::Direct(const SolveContext& context) : Preconditioner(context), plan_(*context.plan.direct) {
+  Device& device = context_.device;
+  for (const BufferSpec& spec : plan_.buffers)
+    buffers_.emplace(spec.name, device.allocate(spec.name, spec.type, spec.count));
+  const FactorLayout& layout = plan_.layout;
+  device.write(at("factor_slot"), 0, std::as_bytes(std::span(layout.slot)));
+  device.write(at("factor_block_up"), 0, std::as_bytes(std::span(layout.up)));
+  device.write(at("factor_block_down"), 0, std::as_bytes(std::span(layout.down)));
+  device.upload(at("front"), std::vector<Real4<double>>(layout.slot.size(), {0, 0, 0, 0}));
+  factorise_for(whole_step(context_.scene));
 }
 
-Direct::~Direct() = default;
+BufferStorage* Direct::at(const std::string& name) const {
+  return static_cast<BufferStorage*>(buffers_.at(name));
+}
 
 void Direct::begin(const SolveBounds& bounds) {
-  if (factor_ && bounds.step == step_) return;
-  step_ = bounds.step;
-  const Model& model = context_.model;
-  const std::vector<double> stiffness = diagonal_stiffness(model);
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(model.count() + model.bonds.count() / 2);
-  const auto spring = [&](std::uint32_t i, std::uint32_t bond) {
-    const LawConstants& law = model.constants[model.material[i]];
-    const double x2 = (model.reference[model.bonds.neighbour[bond]] - model.reference[i]).squaredNorm();
-    return bond_bound(model, i, bond) * law.modulus * model.volume[i] * model.bonds.weight[bond] / x2;
-  };
-  for (std::uint32_t i = 0; i < model.count(); ++i) {
-    const double inertia = model.mass[i] / (step_ * step_);
-    entries.emplace_back(i, i, inertia + stiffness[i]);
-    for (std::uint32_t b = model.bonds.begin[i]; b < model.bonds.begin[i + 1]; ++b) {
-      const std::uint32_t j = model.bonds.neighbour[b];
-      if (j < i && !held_[i] && !held_[j]) // a held particle's row is not solved
-        entries.emplace_back(i, j, -(spring(i, b) + spring(j, model.bonds.reverse[b])));
-    }
-  }
-  const auto n = static_cast<Eigen::Index>(model.count());
-  Matrix matrix(n, n);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  entries = {};
-  factor_ = std::make_unique<Factor>();
-  factor_->cholesky.analyzePattern(matrix);
-  const double bytes = 12 * factor_->cholesky.entries(); // values, and their share of indices
-  require_memory(fmt::format("the direct solver's factor of {} particles needs", model.count()), bytes,
-                 available_memory(), model.spacing);
-  factor_->cholesky.factorize(matrix);
-  if (factor_->cholesky.info() != Eigen::Success)
-    throw Error(ExitCode::internal,
-                "the direct solver's matrix could not be factorised: a mass or a stiffness of "
-                "the scene is not a positive number");
+  if (bounds.step != step_) factorise_for(bounds.step);
+}
+
+void Direct::factorise_for(double step) {
+  const Factor factor = factorise(context_.model, plan_.dissection, plan_.layout, step);
+  context_.device.upload(at("factor_up"), factor.up);
+  context_.device.upload(at("factor_down"), factor.down);
+  step_ = step;
 }
 
 void Direct::apply() {
   Device& device = context_.device;
-  SimulationState& s = context_.state;
-  device.enter("direct");
-  if (device.download_real(s.solver, SOLVER_LINEAR, 1)[0] == 0) return;
-  const std::vector<Real4<double>> r = device.download_real4(s.residual);
-  const auto n = static_cast<Eigen::Index>(r.size());
-  Columns right(n, 3);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Real4<double>& v = r[static_cast<std::size_t>(i)];
-    right.row(i) << v.x, v.y, v.z;
-  }
-  const Columns z = factor_->cholesky.solve(right);
-  std::vector<Real4<double>> result(r.size());
-  for (std::size_t i = 0; i < r.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    result[i] = held_[i] ? Real4<double>{0, 0, 0, 0} : Real4<double>{z(row, 0), z(row, 1), z(row, 2), 0};
-  }
-  device.upload(s.preconditioned, result);
-  std::vector<Real4<double>> sums(s.solve_partial.count(), Real4<double>{0, 0, 0, 0});
-  sums[0].x = right.cwiseProduct(z).sum();
-  device.upload(s.solve_partial, sums);
+  const SimulationState& s = context_.state;
+  const FactorLayout& layout = plan_.layout;
+  const std::uint32_t levels = plan_.dissection.levels;
+  device.enter(component);
+  for (std::uint32_t l = 0; l < levels; ++l)
+    if (layout.up_begin[l + 1] > layout.up_begin[l])
+      device.run(kernels::factor_up::Args{.threads = 16 * (layout.up_begin[l + 1] - layout.up_begin[l]),
+                                          .first_block = layout.up_begin[l],
+                                          .factor_block = at("factor_block_up"),
+                                          .factor_slot = at("factor_slot"),
+                                          .factor = at("factor_up"),
+                                          .residual = s.residual,
+                                          .solver = s.solver,
+                                          .front = at("front")});
+  for (std::uint32_t l = levels; l-- > 0;) // a level of empty cuts has none
+    if (layout.down_begin[l + 1] > layout.down_begin[l])
+      device.run(kernels::factor_down::Args{.threads = 16 * (layout.down_begin[l + 1] - layout.down_begin[l]),
+                                            .first_block = layout.down_begin[l],
+                                            .factor_block = at("factor_block_down"),
+                                            .factor_slot = at("factor_slot"),
+                                            .factor = at("factor_down"),
+                                            .front = at("front"),
+                                            .solver = s.solver,
+                                            .preconditioned = s.preconditioned});
+  device.run(kernels::factor_dot::Args{.threads = static_cast<std::uint32_t>(context_.plan.particles),
+                                       .residual = s.residual,
+                                       .solver = s.solver,
+                                       .preconditioned = s.preconditioned,
+                                       .solve_partial = s.solve_partial});
 }
 
 } // namespace pliant
