@@ -3,9 +3,6 @@
 #include "common/basis.glsl"
 
 void main() {
-#if gated
-  if (gate[0].x > 0.0) return; // SOLVER_STOP
-#endif
   uint local = thread_index();
   if (local >= threads) return;
   uint i = first + local, slice = first_slice + local / SLICE, lane = local % SLICE;

@@ -2,16 +2,16 @@
 #include "common/bonds.glsl"
 #include "common/direction.glsl"
 #include "common/basis.glsl"
-#include "common/solver.glsl"
 
 void main() {
   uint local = thread_index();
-  if (local >= threads || solver[SOLVER_STOP] > 0.0) return;
+  if (local >= threads || gate[0].x > 0.0) return; // SOLVER_STOP
   uint i = first + local, slice = first_slice + local / SLICE, lane = local % SLICE;
   vec4 ui = stretch_record[2 * i], yi = stretch_record[2 * i + 1];
   uint row_i = uint(yi.w);
   bool squared_i = energies[row_i].x > 0.0;
   vec3 sum = vec3(0.0);
+  float stretching = 0.0;
   for (uint row = slice_begin[slice]; row < slice_begin[slice + 1]; ++row) {
     uint entry = 32 * row + lane;
     uint j = bond[entry];
@@ -22,6 +22,13 @@ void main() {
     uint row_j = uint(yj.w);
     float h_i = 0.5 * basis_slopes(row_i + STRETCH_BOND, e).x;
     float h_j = row_j == row_i ? h_i : 0.5 * basis_slopes(row_j + STRETCH_BOND, e).x;
+#if potential
+    float own = weight[entry] * x * x * basis_value(row_i + STRETCH_BOND, e);
+#if anisotropic
+    own *= strength[entry];
+#endif
+    stretching += own;
+#endif
 #if anisotropic
     h_i *= strength[entry];
     h_j *= strength[entry + 16];
@@ -31,4 +38,7 @@ void main() {
     sum += x * (weight[entry] * out_pull + weight[entry + 16] * in_pull) * bond_direction(y, xi);
   }
   force[i] = vec4(sum, linear_start[i].w);
+#if potential
+  energy[i] += 0.5 * stretching;
+#endif
 }

@@ -1,11 +1,10 @@
 // Local step of law M3; see kernels/stretch_state.decl.
 #include "common/bonds.glsl"
 #include "common/basis.glsl"
-#include "common/solver.glsl"
 
 void main() {
   uint local = thread_index();
-  if (local >= threads || solver[SOLVER_STOP] > 0.0) return;
+  if (local >= threads || gate[0].x > 0.0) return; // SOLVER_STOP
   uint i = first + local, slice = first_slice + local / SLICE, lane = local % SLICE;
   float place = shape[2 * stride + i];
   uint row0 = uint(place);
@@ -25,4 +24,7 @@ void main() {
   if (squared) phi /= max(1.0 + e, 1e-6);
   stretch_record[2 * i] = vec4(ui, phi);
   stretch_record[2 * i + 1] = vec4(yi, place);
+#if potential
+  energy[i] = shape[i] > 0.0 ? 0.5 * basis_value(row0 + STRETCH_VOLUME, e) / shape[i] : 0.0;
+#endif
 }

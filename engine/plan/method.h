@@ -2,7 +2,7 @@
 //
 //   jacobi, chebyshev   one pass over the particles an iteration; guarded
 //   position            the average of what neighbourhoods ask for, as position-based dynamics does
-//   direct              the constant matrix, factorised once: on the CPU
+//   direct              the constant matrix, factorised once, on the host
 //   lbfgs               the same matrix, or what stands for it, and the last five steps
 //   newton              conjugate gradients on the exact derivative
 //   auto                one of these, by stiffness number, Poisson's ratio and tolerance

@@ -40,7 +40,7 @@ const Table& solver_table() {
         .slot = at<&S::method>,
         .choices = {"auto", "chebyshev", "jacobi", "position", "direct", "lbfgs", "newton"}},
        {.name = "preconditioner",
-        .meaning = "of newton and lbfgs; direct only on the CPU",
+        .meaning = "of newton and lbfgs",
         .slot = at<&S::preconditioner>,
         .choices = {"auto", "diagonal", "multilevel", "direct"}},
        {.name = "tolerance",

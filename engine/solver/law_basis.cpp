@@ -1,5 +1,6 @@
 // Law M3 (Xu et al. 2018): energies over basis functions of the dilatation and of each bond's stretch.
 #include "engine/core/error.h"
+#include "engine/plan/method.h"
 #include "engine/solver/elastic_law.h"
 #include "engine/solver/state.h"
 #include "kernels/stretch_energy.h"
@@ -61,7 +62,9 @@ bool anisotropic(const Model& model) {
 
 class Basis : public ElasticLaw {
 public:
-  explicit Basis(const LawContext& context) : ElasticLaw(context), anisotropic_(anisotropic(context.model)) {}
+  explicit Basis(const LawContext& context)
+      : ElasticLaw(context), anisotropic_(anisotropic(context.model)),
+        potential_(choose_method(context.scene, context.model).potential) {}
 
   void upload(const LawRange& range) override {
     const Model& model = context_.model;
@@ -86,11 +89,13 @@ public:
   void state(const LawRange& range, BufferStorage* displacement) override {
     const SimulationState& s = context_.state;
     context_.device.run(kernels::stretch_state::Args{.threads = range.count,
+                                                     .potential = potential_,
                                                      .first = range.first,
                                                      .first_slice = range.first_slice,
                                                      .stride = context_.particles,
                                                      .unit = context_.unit,
                                                      .energies = s.energies,
+                                                     .gate = s.solver,
                                                      .slice_begin = s.slice_begin,
                                                      .bond = s.bond,
                                                      .weight = s.weight,
@@ -98,45 +103,45 @@ public:
                                                      .displacement = displacement,
                                                      .shape = s.shape,
                                                      .stretch_record = s.stretch_record,
-                                                     .solver = s.solver});
+                                                     .energy = summed()});
   }
   void force(const LawRange& range) override {
     const SimulationState& s = context_.state;
     context_.device.run(kernels::stretch_force::Args{.threads = range.count,
                                                      .anisotropic = anisotropic_,
+                                                     .potential = potential_,
                                                      .first = range.first,
                                                      .first_slice = range.first_slice,
                                                      .unit = context_.unit,
                                                      .energies = s.energies,
+                                                     .gate = s.solver,
                                                      .slice_begin = s.slice_begin,
                                                      .bond = s.bond,
                                                      .weight = s.weight,
                                                      .stretch_record = s.stretch_record,
                                                      .linear_start = s.linear_start,
                                                      .force = s.force,
-                                                     .solver = s.solver,
+                                                     .energy = summed(),
                                                      .strength = s.strength});
   }
   void energy(const LawRange& range, BufferStorage* displacement, bool gated) override {
+    if (gated) return; // summed()
     const SimulationState& s = context_.state;
-    context_.device.run(
-        kernels::stretch_energy::Args{.threads = range.count,
-                                      .gated = gated,
-                                      .anisotropic = anisotropic_,
-                                      .first = range.first,
-                                      .first_slice = range.first_slice,
-                                      .stride = context_.particles,
-                                      .unit = context_.unit,
-                                      .gate = gated ? static_cast<BufferStorage*>(s.solver) : nullptr,
-                                      .energies = s.energies,
-                                      .slice_begin = s.slice_begin,
-                                      .bond = s.bond,
-                                      .weight = s.weight,
-                                      .position = s.position,
-                                      .displacement = displacement,
-                                      .shape = s.shape,
-                                      .energy = s.energy,
-                                      .strength = s.strength});
+    context_.device.run(kernels::stretch_energy::Args{.threads = range.count,
+                                                      .anisotropic = anisotropic_,
+                                                      .first = range.first,
+                                                      .first_slice = range.first_slice,
+                                                      .stride = context_.particles,
+                                                      .unit = context_.unit,
+                                                      .energies = s.energies,
+                                                      .slice_begin = s.slice_begin,
+                                                      .bond = s.bond,
+                                                      .weight = s.weight,
+                                                      .position = s.position,
+                                                      .displacement = displacement,
+                                                      .shape = s.shape,
+                                                      .energy = s.energy,
+                                                      .strength = s.strength});
   }
   void tangent(const LawRange& range, BufferStorage* displacement) override {
     const SimulationState& s = context_.state;
@@ -186,6 +191,10 @@ public:
   }
 
 private:
+  /// Where a line search looks at the potential, state() and force() find the energy on their way.
+  BufferStorage* summed() const {
+    return potential_ ? static_cast<BufferStorage*>(context_.state.energy) : nullptr;
+  }
   bool alike(std::uint32_t i) const {
     const Model& model = context_.model;
     const auto begin = model.bonds.neighbour.begin();
@@ -204,7 +213,7 @@ private:
     context_.device.upload(context_.state.strength, strength);
   }
 
-  bool anisotropic_;
+  bool anisotropic_, potential_;
 };
 
 } // namespace
@@ -220,17 +229,15 @@ LawNeeds basis_needs(const LawRequest& request) {
   needs.buffers = {{"stretch_record", Type::real4, 2 * request.model.count(), ""},
                    {"energies", Type::real4, table_rows, ""}};
   if (strong) needs.buffers.push_back({"strength", Type::real, 2 * request.bonds.weight_out.size(), ""});
-  needs.kernel(kernels::stretch_state::Args{});
-  needs.kernel(kernels::stretch_force::Args{.anisotropic = strong});
+  const std::uint32_t potential = request.potential;
+  needs.kernel(kernels::stretch_state::Args{.potential = potential});
+  needs.kernel(kernels::stretch_force::Args{.anisotropic = strong, .potential = potential});
   if (request.derivative) {
     needs.kernel(kernels::stretch_tangent::Args{});
     needs.kernel(kernels::stretch_product::Args{});
     needs.kernel(kernels::stretch_product_force::Args{.anisotropic = strong});
   }
-  for (const std::uint32_t gated : {0u, 1u})
-    if (!gated || request.potential)
-      needs.energies.push_back(
-          kernel_variant(kernels::stretch_energy::Args{.gated = gated, .anisotropic = strong}, ""));
+  needs.energies.push_back(kernel_variant(kernels::stretch_energy::Args{.anisotropic = strong}, ""));
   return needs;
 }
 

@@ -11,8 +11,8 @@ namespace pliant {
 
 namespace {
 
-/// Iterations after which the preconditioner follows the rotations and contacts, and the history, which
-/// belongs to the old one, is forgotten.
+/// Iterations after which a preconditioner that turns with the material follows it and its contacts, and the
+/// history, which belongs to the old one, is forgotten.
 constexpr unsigned refresh_every = 32;
 
 } // namespace
@@ -20,6 +20,7 @@ constexpr unsigned refresh_every = 32;
 QuasiNewton::QuasiNewton(const SolveContext& context)
     : GlobalStep(context), line_(context), preconditioner_(make_preconditioner(context)),
       remembers_(context.plan.method.name == "lbfgs"),
+      follows_(context.plan.method.preconditioner == "multilevel"),
       // The sum of coarse and fine corrections goes about three times too far.
       first_length_(context.plan.method.preconditioner == "multilevel" ? 0.3 : 1.0) {}
 
@@ -32,7 +33,7 @@ void QuasiNewton::apply(unsigned k, bool, bool restart) {
   Device& device = context_.device;
   SimulationState& s = context_.state;
   const auto n = static_cast<std::uint32_t>(context_.plan.particles);
-  const bool anew = k == 0 || restart || k % refresh_every == 0;
+  const bool anew = k == 0 || restart || (follows_ && k % refresh_every == 0);
   line_.judge(k, restart);
   if (remembers_)
     device.run(kernels::history_store::Args{.threads = n,

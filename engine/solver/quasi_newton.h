@@ -19,7 +19,7 @@ public:
 private:
   LineSearch line_;
   std::unique_ptr<Preconditioner> preconditioner_;
-  bool remembers_ = false;
+  bool remembers_ = false, follows_ = false; ///< earlier steps; the preconditioner, the material
   double first_length_ = 1;
 };
 

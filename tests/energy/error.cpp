@@ -84,9 +84,6 @@ TEST_P(EnergyError, IsBelowTheOneAsked) {
     const Stage stage = bar(named.material);
     Judge judge(stage);
     for (const Way& way : ways) {
-      if (GetParam().backend != "openmp" &&
-          (way.preconditioner == std::string("direct") || way.method == std::string("direct")))
-        continue; // factorised on the CPU
       for (const double tolerance : {1e-2, 1e-4, limit(1e-9, 1e-4)}) {
         Scene scene = stage.scene;
         choose(scene, way);
@@ -117,9 +114,6 @@ TEST_P(EnergyError, ThePotentialNeverRises) {
     const Stage stage = bar(named.material, 1. / 20);
     Judge judge(stage);
     for (const Way& way : ways) {
-      if (GetParam().backend != "openmp" &&
-          (way.preconditioner == std::string("direct") || way.method == std::string("direct")))
-        continue; // factorised on the CPU
       Scene scene = stage.scene;
       choose(scene, way);
       scene.solver.energy_tolerance = 1e-5;

@@ -13,6 +13,7 @@ std::string chain_of(const std::string& kernel) {
   if (kernel == "residual" || kernel.rfind("line_", 0) == 0) return "line_search";
   if (kernel.rfind("conjugate_", 0) == 0) return "conjugate";
   if (kernel.rfind("history_", 0) == 0) return "history";
+  if (kernel.rfind("factor_", 0) == 0) return "factor";
   for (const char* part : {"coarse_", "_tangent", "_product", "precondition"})
     if (kernel.find(part) != std::string::npos) return "derivative";
   return kernel.rfind("grid_", 0) == 0 || kernel.rfind("contact_", 0) == 0 ? "pairs" : kernel;

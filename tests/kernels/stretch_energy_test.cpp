@@ -21,30 +21,9 @@ struct Problem : StretchProblem {
     in["shape"] = shape();
     in["energy"] = p.buffer(1, sentinel);
     Expected result(in["energy"]);
-    const auto size_of = [](const BasisSum& sum, double s, double error) {
-      double terms = 0;
-      for (const BasisTerm& term : sum.terms) {
-        const BasisSum alone{{term}};
-        terms += std::abs(alone.value(s)) + std::abs(alone.first(s)) * error;
-      }
-      return terms;
-    };
     for (std::size_t i = 0; i < p.count; ++i) {
-      const StretchEnergy& own = energy[kind(i)];
-      double sum = 0, size_sum = 0;
-      for (std::size_t b = 0; b < p.bonds[i].size(); ++b) {
-        const auto& bond = p.bonds[i][b];
-        const double x = bond.reference.norm(), s = p.current(i, bond).norm() / x;
-        const double factor = bond.out * x * x * (anisotropic ? strength(i, b, false) : 1) / 2;
-        sum += factor * own.bond.value(s);
-        size_sum += factor * size_of(own.bond, s, s + 1);
-      }
-      if (!p.bonds[i].empty()) {
-        const Dilatation d = dilatation(i);
-        sum += own.volume.value(1 + d.e) / (2 * p.inverse_modulus[i]);
-        size_sum += size_of(own.volume, 1 + d.e, d.size + 1) / (2 * p.inverse_modulus[i]);
-      }
-      result.set(p.first + i, sum, size_sum);
+      const Part stretched = stretching(i, anisotropic), volume = volumetric(i);
+      result.set(p.first + i, stretched.value + volume.value, stretched.size + volume.size);
     }
     wanted = {{"energy", result}};
   }

@@ -1,6 +1,6 @@
 // stretch_force: f_i = sum x (c_ij (phi_i s + G_ij h_i' / 2) + c_ji (phi_j s + G_ji h_j' / 2)) n; the first s
 // is 1 where theta is the mean stretch, n that of the reference where two particles coincide, as two of these
-// do.
+// do. And the energy 1/2 sum c x^2 G h, added to what is there.
 #include "kernels/stretch_force.h"
 #include "tests/kernels/stretch_problem.h"
 
@@ -15,11 +15,13 @@ constexpr double limit = 2; // 0.44 seen
 
 struct Problem : StretchProblem {
   std::map<std::string, Expected> wanted;
-  Problem(std::size_t size, bool anisotropic, int material = -1) : StretchProblem(size, material) {
+  Problem(std::size_t size, bool anisotropic, int material = -1, bool potential = false)
+      : StretchProblem(size, material) {
+    in["potential"] = {double(potential)};
     Random random(kernel_seed + 61);
     in["anisotropic"] = {double(anisotropic)};
     if (!anisotropic) in.erase("strength");
-    in["solver"] = solver_running;
+    in["gate"] = {0, 0, 0, 0}; // SOLVER_STOP is down
     std::vector<double> phi(p.count);
     for (double& value : phi) value = random(0.3);
     in["stretch_record"] = p.rows(not_a_number, 8, [&](std::size_t i, std::size_t k) {
@@ -58,17 +60,28 @@ struct Problem : StretchProblem {
       force.set(4 * (p.first + i) + 3, 7 + double(i));
     }
     wanted = {{"force", force}};
+    if (!potential) return;
+    in["energy"] =
+        p.rows(not_a_number, 1, [](std::size_t i, std::size_t) { return rounded(1e-3 * double(i)); });
+    Expected energies(in["energy"]);
+    for (std::size_t i = 0; i < p.count; ++i) {
+      const Part part = stretching(i, anisotropic);
+      energies.set(p.first + i, rounded(1e-3 * double(i)) + part.value, 1e-3 * double(i) + part.size);
+    }
+    wanted.emplace("energy", energies);
   }
 };
 
 TEST_P(StretchForce, Formula) {
   for (const std::size_t size : awkward_sizes)
     for (const bool anisotropic : {false, true})
-      for (const int material : {-1, 0, 1}) {
-        const Problem problem(size, anisotropic, material);
-        expect_kernel<kernels::stretch_force::Args>(GetParam(), problem.p.count, problem.in, problem.wanted,
-                                                    limit);
-      }
+      for (const int material : {-1, 0, 1})
+        for (const bool potential : {false, true}) {
+          const Problem problem(size, anisotropic, material, potential);
+          expect_kernel<kernels::stretch_force::Args>(GetParam(), problem.p.count, problem.in, problem.wanted,
+                                                      potential ? 4
+                                                                : limit); // of the energy: as stretch_energy
+        }
 }
 
 TEST_P(StretchForce, NotANumberReachesNeighboursOnly) {
@@ -77,7 +90,12 @@ TEST_P(StretchForce, NotANumberReachesNeighboursOnly) {
 }
 
 TEST_P(StretchForce, NothingOnceTheSolverHasStopped) {
-  expect_nothing_when_stopped<kernels::stretch_force::Args>(GetParam(), Problem(17, true), "force");
+  Problem problem(17, true);
+  problem.in["gate"][0] = 1;
+  const Values out =
+      run_kernel<kernels::stretch_force::Args>(OpenDevices::of(GetParam()), problem.p.count, problem.in);
+  compare_values("force", out.at("force"), problem.in.at("force"),
+                 std::vector<double>(out.at("force").size(), 0.0), 0, 0);
 }
 
 } // namespace

@@ -55,6 +55,38 @@ struct StretchProblem {
     for (std::size_t i = 0; i < p.count; ++i) values[2 * p.total + p.first + i] = first_row(i);
     return values;
   }
+  /// How wrong f may be at s, where s is by `error` roundings.
+  static double size_of(const BasisSum& sum, double s, double error) {
+    double terms = 0;
+    for (const BasisTerm& term : sum.terms) {
+      const BasisSum alone{{term}};
+      terms += std::abs(alone.value(s)) + std::abs(alone.first(s)) * error;
+    }
+    return terms;
+  }
+  /// Parts of a particle's energy: a value, and the size of what adds up to it.
+  struct Part {
+    double value = 0, size = 0;
+  };
+  Part stretching(std::size_t i, bool anisotropic) const {
+    Part part;
+    const BasisSum& h = energy[kind(i)].bond;
+    for (std::size_t b = 0; b < p.bonds[i].size(); ++b) {
+      const auto& bond = p.bonds[i][b];
+      const double x = bond.reference.norm(), s = p.current(i, bond).norm() / x;
+      const double factor = bond.out * x * x * (anisotropic ? strength(i, b, false) : 1) / 2;
+      part.value += factor * h.value(s);
+      part.size += factor * size_of(h, s, s + 1);
+    }
+    return part;
+  }
+  Part volumetric(std::size_t i) const {
+    if (p.bonds[i].empty()) return {};
+    const Dilatation d = dilatation(i);
+    const BasisSum& g = energy[kind(i)].volume;
+    return {g.value(1 + d.e) / (2 * p.inverse_modulus[i]),
+            size_of(g, 1 + d.e, d.size + 1) / (2 * p.inverse_modulus[i])};
+  }
   /// The dilatation less one, and the size of what adds up to it.
   struct Dilatation {
     double e = 0, size = 0;

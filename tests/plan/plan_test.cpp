@@ -258,7 +258,6 @@ TEST_P(PlanTruth, EachMethodOnlyItsOwn) {
                                              {"newton", "diagonal"},
                                              {"newton", "multilevel"}}) {
     const std::string method = name;
-    if (method == "direct" && GetParam().gl()) continue;
     for (const char* law : {"corotated", "ordinary", "basis"}) {
       PlanScene made = elastic_only(law);
       made.scene.solver.method = method;

@@ -6,7 +6,6 @@
 namespace pliant::openmp::PLIANT_ISA {
 
 template <class real> void stretch_energy(const kernels::stretch_energy::View<real>& k) {
-  if (k.gated && k.gate[0].x > 0) return; // SOLVER_STOP
   const real unit = grid_unit(k.unit);
   const auto one_by_one = [&](uint local) {
     const uint i = k.first + local, row0 = static_cast<uint>(k.shape[2 * std::size_t{k.stride} + i]);

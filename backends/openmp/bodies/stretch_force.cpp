@@ -2,12 +2,11 @@
 #include "kernels/stretch_force.h"
 #include "backends/openmp/basis_wide.h"
 #include "backends/openmp/body.h"
-#include "shaders/common/solver.glsl"
 
 namespace pliant::openmp::PLIANT_ISA {
 
 template <class real> void stretch_force(const kernels::stretch_force::View<real>& k) {
-  if (k.solver[SOLVER_STOP] > 0) return;
+  if (k.gate[0].x > 0) return; // SOLVER_STOP
   const real unit = grid_unit(k.unit);
   const auto one_by_one = [&](uint local) {
     const uint i = k.first + local;
@@ -15,6 +14,7 @@ template <class real> void stretch_force(const kernels::stretch_force::View<real
     const uint row_i = static_cast<uint>(yi.w);
     const bool squared_i = k.energies[row_i].x > 0;
     Vec3<real> sum{0, 0, 0};
+    real stretching = 0;
     for_each_bond_of_strength(
         k, local, [&](uint j, Vec3<real> xi, real c_out, real c_in, real g_out, real g_in) {
           const auto uj = k.stretch_record[2 * std::size_t{j}], yj = k.stretch_record[2 * std::size_t{j} + 1];
@@ -29,7 +29,10 @@ template <class real> void stretch_force(const kernels::stretch_force::View<real
           const real out_pull = ui.w * (squared_i ? s : 1) + g_out * h_i;
           const real in_pull = uj.w * (squared_j ? s : 1) + g_in * h_j;
           sum = sum + x * (c_out * out_pull + c_in * in_pull) * bond_direction(y, xi);
+          if (k.potential)
+            stretching += c_out * g_out * x * x * basis_value(k.energies + row_i + STRETCH_BOND, e);
         });
+    if (k.potential) k.energy[i] += stretching / 2;
     k.force[i] = {sum.x, sum.y, sum.z, k.linear_start[i].w};
   };
 #pragma omp parallel for schedule(static)
@@ -45,6 +48,7 @@ template <class real> void stretch_force(const kernels::stretch_force::View<real
       const Real4<real>* const energies = k.energies + static_cast<uint>(yi.w[0]);
       const bool squared = energies[0].x > 0;
       Wide3<real> sum{};
+      Wide<real> stretching{};
       for_each_bond_of_strength_of_part(
           k, local,
           [&](const uint* j, Wide3<real> xi, Wide<real> c_out, Wide<real> c_in, Wide<real> g_out,
@@ -59,9 +63,12 @@ template <class real> void stretch_force(const kernels::stretch_force::View<real
             const Wide<real> pull =
                 lever * (c_out * ui.w + c_in * uj.w) + b.x * h * (c_out * g_out + c_in * g_in);
             sum = {sum.x + pull * b.n.x, sum.y + pull * b.n.y, sum.z + pull * b.n.z};
+            if (k.potential)
+              stretching += c_out * g_out * b.x * b.x * basis_value<real>(energies + STRETCH_BOND, e);
           });
       const Wide4<real> start = gather(k.linear_start, part.index);
       store(k.force + i, part.count, Wide4<real>{sum.x, sum.y, sum.z, start.w});
+      if (k.potential) store_reals(k.energy + i, part.count, load_wide(k.energy + i) + stretching / 2);
     });
 }
 

@@ -2,12 +2,11 @@
 #include "kernels/stretch_state.h"
 #include "backends/openmp/basis_wide.h"
 #include "backends/openmp/body.h"
-#include "shaders/common/solver.glsl"
 
 namespace pliant::openmp::PLIANT_ISA {
 
 template <class real> void stretch_state(const kernels::stretch_state::View<real>& k) {
-  if (k.solver[SOLVER_STOP] > 0) return;
+  if (k.gate[0].x > 0) return; // SOLVER_STOP
   const real unit = grid_unit(k.unit);
   const auto one_by_one = [&](uint local) {
     const uint i = k.first + local;
@@ -25,6 +24,9 @@ template <class real> void stretch_state(const kernels::stretch_state::View<real
     if (squared) phi /= larger(1 + e, real(1e-6));
     k.stretch_record[2 * std::size_t{i}] = {ui.x, ui.y, ui.z, phi};
     k.stretch_record[2 * std::size_t{i} + 1] = {yi.x, yi.y, yi.z, place};
+    if (k.potential)
+      k.energy[i] =
+          k.shape[i] > 0 ? basis_value(k.energies + row0 + STRETCH_VOLUME, e) / (2 * k.shape[i]) : 0;
   };
 #pragma omp parallel for schedule(static)
   for (uint slice = 0; slice < slice_count(k.threads); ++slice)
@@ -46,7 +48,8 @@ template <class real> void stretch_state(const kernels::stretch_state::View<real
         const Wide<real> x = unit * root_wide<real>(dot(xi, xi)), size = root_wide<real>(dot(y, y));
         lengthening += c_out * (size - x) * (squared ? (size + x) / 2 : x);
       });
-      Wide<real> e = load_wide(k.shape + i) * lengthening; // theta - 1
+      const Wide<real> inverse_modulus = load_wide(k.shape + i);
+      Wide<real> e = inverse_modulus * lengthening; // theta - 1
       if (squared) {
         const Wide<real> square = 1 + 2 * e, none{};
         e = 2 * e / (1 + root_wide<real>(square > 0 ? square : none));
@@ -59,6 +62,10 @@ template <class real> void stretch_state(const kernels::stretch_state::View<real
       Real4<real>* const record = k.stretch_record + 2 * std::size_t{i};
       store<2>(record, part.count, Wide4<real>{ui.x, ui.y, ui.z, phi});
       store<2>(record + 1, part.count, Wide4<real>{yi.x, yi.y, yi.z, rows});
+      if (!k.potential) return;
+      const Wide<real> value =
+          basis_value<real>(k.energies + row0 + STRETCH_VOLUME, e) / (2 * inverse_modulus);
+      store_reals(k.energy + i, part.count, inverse_modulus > 0 ? value : Wide<real>{});
     });
 }
 
