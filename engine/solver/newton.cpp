@@ -67,6 +67,7 @@ void Newton::control(bool after) {
       .threads = kernels::conjugate_control::group_size,
       .after = after,
       .partial_count = static_cast<std::uint32_t>(s.solve_partial.count() / 2),
+      .potential = context_.plan.method.potential,
       .cap = bounds_.cap,
       .energy_tolerance = context_.scene.solver.fixed_iterations ? 0 : context_.plan.method.energy_tolerance,
       .solve_partial = s.solve_partial,

@@ -4,8 +4,38 @@
 #include "backends/openmp/math.h"
 #include "shaders/common/energy_error.glsl"
 #include "shaders/common/solver.glsl"
+#include "shaders/common/trust_region.glsl"
 
 namespace pliant::openmp::PLIANT_ISA {
+
+namespace {
+
+/// What the last step's success makes of the region.
+template <class real> PLIANT_INLINE void choose_radius(real* solver, bool potential) {
+  const real length = solver[SOLVER_LENGTH], edge = solver[SOLVER_EDGE];
+  const real kept = solver[SOLVER_LAST_FALL], promised = solver[SOLVER_PROMISE];
+  solver[SOLVER_EDGE] = 0;
+  if (solver[SOLVER_CAUTIOUS] > 0) {
+    solver[SOLVER_RADIUS] = 0;
+  } else if (edge > 0) {
+    if (length < 1)
+      solver[SOLVER_RADIUS] = length * root(solver[SOLVER_STEP2]);
+    else if (potential && kept < real(TRUST_LEAST) * promised)
+      solver[SOLVER_RADIUS] = root(solver[SOLVER_STEP2]) / 2;
+    else if (edge > 1 && !(potential && kept < real(TRUST_MOST) * promised))
+      solver[SOLVER_RADIUS] *= 2;
+  }
+}
+
+/// How far along the direction the region's edge is: the positive root of |d + t p|^2 = radius^2.
+template <class real> PLIANT_INLINE real way_to_edge(const real* solver) {
+  const real radius = solver[SOLVER_RADIUS], a = solver[SOLVER_DIRECTION2], b = solver[SOLVER_STEP_ALONG];
+  const real left = larger(radius * radius - solver[SOLVER_STEP2], real(0));
+  const real below = b + root(larger(b * b + a * left, real(0)));
+  return below > 0 ? left / below : real(0);
+}
+
+} // namespace
 
 template <class real> void conjugate_control(const kernels::conjugate_control::View<real>& k) {
   Real4<real> sums{0, 0, 0, 0};
@@ -22,8 +52,24 @@ template <class real> void conjugate_control(const kernels::conjugate_control::V
   if (k.after) {
     const real rz = solver[SOLVER_RZ];
     solver[SOLVER_COUNT] += 1;
-    if (usable) {
+    const bool bounded = solver[SOLVER_RADIUS] > 0 && __builtin_isfinite(found);
+    const real edge = bounded ? way_to_edge(solver) : real(0);
+    if (bounded && !(usable && rz / found < edge)) {
+      if (usable && k.energy_tolerance > 0)
+        solver[SOLVER_GAIN] =
+            larger(solver[SOLVER_GAIN],
+                   larger(rz / found, (solver[SOLVER_SLOPE] + rz / found * rz) / solver[SOLVER_RZ_FIRST]));
+      solver[SOLVER_CG_STEP] = edge;
+      solver[SOLVER_SLOPE] += edge * rz;
+      solver[SOLVER_PROMISE] += edge * (rz - edge * found / 2);
+      solver[SOLVER_STEP2] = solver[SOLVER_RADIUS] * solver[SOLVER_RADIUS];
+      solver[SOLVER_INNER] += 1;
+      solver[SOLVER_EDGE] = 2;
+      complete = true;
+    } else if (usable) {
       const real step = rz / found;
+      solver[SOLVER_STEP2] += step * (2 * solver[SOLVER_STEP_ALONG] + step * solver[SOLVER_DIRECTION2]);
+      solver[SOLVER_PROMISE] += step * rz / 2;
       solver[SOLVER_CG_STEP] = step;
       solver[SOLVER_SLOPE] += step * rz; // r_first . p = r . z along conjugate directions
       solver[SOLVER_INNER] += 1;
@@ -34,7 +80,10 @@ template <class real> void conjugate_control(const kernels::conjugate_control::V
     } else {
       solver[SOLVER_CONVEX] = solver[SOLVER_BEST];
       solver[SOLVER_CG_STEP] = first ? real(1) : real(0);
-      if (first) solver[SOLVER_SLOPE] = rz;
+      if (first) {
+        solver[SOLVER_SLOPE] = solver[SOLVER_PROMISE] = rz;
+        solver[SOLVER_STEP2] = solver[SOLVER_DIRECTION2];
+      }
       complete = true;
     }
   } else if (first) {
@@ -60,6 +109,9 @@ template <class real> void conjugate_control(const kernels::conjugate_control::V
     }
     const real forcing = smaller(real(0.1), root(solver[SOLVER_BEST] / solver[SOLVER_FIRST]));
     solver[SOLVER_RZ_ENOUGH] = forcing * forcing * found;
+    choose_radius(solver, k.potential > 0);
+    solver[SOLVER_STEP2] = solver[SOLVER_STEP_ALONG] = solver[SOLVER_PROMISE] = 0;
+    solver[SOLVER_DIRECTION2] = found;
     solver[SOLVER_SLOPE] = 0;
     solver[SOLVER_CG_KEEP] = 0;
     solver[SOLVER_RZ] = found;
@@ -67,7 +119,10 @@ template <class real> void conjugate_control(const kernels::conjugate_control::V
              !(k.energy_tolerance > 0 &&
                2 * solver[SOLVER_GAIN] * found <=
                    k.energy_tolerance * (solver[SOLVER_FALL] + solver[SOLVER_SLOPE] / 2))) {
-    solver[SOLVER_CG_KEEP] = found / solver[SOLVER_RZ];
+    const real keep = found / solver[SOLVER_RZ], along = solver[SOLVER_STEP_ALONG];
+    solver[SOLVER_STEP_ALONG] = keep * (along + solver[SOLVER_CG_STEP] * solver[SOLVER_DIRECTION2]);
+    solver[SOLVER_DIRECTION2] = found + keep * keep * solver[SOLVER_DIRECTION2];
+    solver[SOLVER_CG_KEEP] = keep;
     solver[SOLVER_RZ] = found;
   } else {
     complete = true;
@@ -77,6 +132,7 @@ template <class real> void conjugate_control(const kernels::conjugate_control::V
     solver[SOLVER_LINEAR] = 0;
     solver[SOLVER_STOP] = 0;
     solver[SOLVER_LENGTH] = 1;
+    solver[SOLVER_EDGE] = larger(solver[SOLVER_EDGE], real(1));
   }
 }
 
