@@ -12,6 +12,9 @@ std::string chain_of(const std::string& kernel) {
   if (kernel == "boundary_contact") return "boundary";
   if (kernel == "residual" || kernel.rfind("line_", 0) == 0) return "line_search";
   if (kernel.rfind("conjugate_", 0) == 0) return "conjugate";
+  if (kernel.rfind("fluid_viscosity_", 0) == 0) return "fluid_viscosity";
+  for (const char* part : {"fluid_gradient", "fluid_newton", "fluid_redistribute"})
+    if (kernel.rfind(part, 0) == 0) return "fluid_redistribute";
   if (kernel.rfind("history_", 0) == 0) return "history";
   for (const char* part : {"coarse_", "_tangent", "_product", "precondition"})
     if (kernel.find(part) != std::string::npos) return "derivative";
