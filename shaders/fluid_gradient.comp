@@ -14,7 +14,7 @@ void main() {
     return;
   }
   vec3 period = vec3(period_x, period_y, period_z), g = vec3(0.0), normal = vec3(0.0);
-  float cover = 0.0;
+  float cover = 0.0, nearest = support;
   uint slice = i / 16u, first = 16u * rows * slice + i % 16u, count = near_count[slice];
   for (uint r = 0u; r < count; ++r) {
     uint j = near[first + 16u * r];
@@ -24,6 +24,7 @@ void main() {
     g += spiky_slope(q) * d;
     normal += slope * d;
     cover -= slope * r2;
+    nearest = min(nearest, q * support);
   }
   g *= spiky_scale;
   normal *= normal_scale;
@@ -34,6 +35,6 @@ void main() {
   if (share * far > limit) share = limit / far;
 #endif
   bool surface = cover_scale * cover < SURFACE_COVER;
-  fluid_gradient[i] = vec4(g, traits.w);
+  fluid_gradient[i] = vec4(g, tension != 0 ? nearest : 0.0);
   fluid_normal[i] = surface ? vec4(normal / max(length(normal), 1.0), -max(share, 1e-30)) : vec4(0.0, 0.0, 0.0, share);
 }

@@ -1,4 +1,5 @@
 // Shifts that spread particles; see kernels/fluid_redistribute.decl.
+#include "common/fluid.glsl"
 #include "common/near.glsl"
 #include "common/pairs.glsl"
 #include "common/smoothing.glsl"
@@ -25,7 +26,10 @@ void main() {
     if (j == i) break;
     vec4 other = fluid_place[j], there = fluid_normal[j];
     vec3 d = shortest(place.xyz - other.xyz, period);
-    float far = length(d), q = far / support, mass = abs(other.w), share = 2.0 * mass / (place.w + mass);
+    float far = length(d), q = far / support, share = 1.0;
+#if mixed
+    share = 2.0 * abs(other.w) / (place.w + abs(other.w));
+#endif
     if (there.w < 0.0) {
       float weight = max(1.0 - q, 0.0);
       mean += weight * there.xyz;
@@ -62,7 +66,7 @@ void main() {
     if (far > 0.0) shift -= min(far / SURFACE_FULL, 1.0) / (far * far) * dot(mean, shift) * mean;
   }
 #if tension
-  shift += pull * fluid_gradient[i].w * normal.xyz;
+  shift += pull * fluid_material[FLUID_ROWS * uint(fluid_velocity[i].w) + FLUID_TRAITS].w * normal.xyz;
 #endif
   fluid_shift[i] = vec4(place.xyz + shift, place.w);
 }

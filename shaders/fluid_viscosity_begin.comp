@@ -32,8 +32,11 @@ void main() {
       vec3 d = shortest(place.xyz - other.xyz, period);
       float rate = 0.0;
       if (j != i && moves) {
-        float theirs = other.w > 0.0 ? viscosity_of(w.w) : other.w < 0.0 ? mu : 0.0;
-        float both = mu + theirs > 0.0 ? 2.0 * mu * theirs / (mu + theirs) : 0.0;
+        float both = mu;
+#if mixed
+        float theirs = other.w > 0.0 ? viscosity_of(w.w) : mu;
+        both = mu + theirs > 0.0 ? 2.0 * mu * theirs / (mu + theirs) : 0.0;
+#endif
         rate = coupling * both * viscous_laplacian(length(d) / support) / place.w;
 #if ghosts
         if (other.w < 0.0) {

@@ -24,6 +24,15 @@ template <class T> PLIANT_INLINE T spiky_slope(T q) {
   const T a = within(q), least = (T{} + 1) / 20;
   return -3 * a * a / (q > least ? q : least);
 }
+// The same from q and 1 / q, for where both are needed: one division instead of two.
+template <class T> PLIANT_INLINE T spline_slope(T q, T per_q) {
+  const T a = within(q), inner = 18 * q - 12, outer = -6 * a * a * per_q;
+  return 2 * q < 1 ? inner : outer;
+}
+template <class T> PLIANT_INLINE T spiky_slope(T q, T per_q) {
+  const T a = within(q), most = T{} + 20;
+  return -3 * a * a * (per_q < most ? per_q : most);
+}
 template <class T> PLIANT_INLINE T spiky_curvature(T q) {
   return 6 * within(q);
 }

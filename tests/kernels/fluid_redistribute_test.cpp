@@ -21,12 +21,12 @@ using Newton = kernels::fluid_newton::Args;
 using Redistribute = kernels::fluid_redistribute::Args;
 
 // Two materials, ghosts, and a place where nothing is; the surface of a cube, and the inside.
-NearCloud cloud_of(bool periodic) {
+NearCloud cloud_of(bool periodic, bool mixed = true) {
   NearCloud cloud = jittered_cube(6, 0.25, kernel_seed + 211);
   cloud.material(0, 0, 0.75, 0.5);
   cloud.material(1, 0, 0.25, 0);
   for (std::size_t i = 0; i < cloud.place.size(); ++i) {
-    if (i % 3 == 0) cloud.fourth[i] = 1, cloud.mass[i] = 0.5;
+    if (i % 3 == 0) cloud.fourth[i] = 1, cloud.mass[i] = mixed ? 0.5 : 0.25;
     if (cloud.place[i].y() < -2 * cloud.spacing) cloud.mass[i] = -0.25, cloud.fourth[i] = 0.03125;
   }
   cloud.mass[100] = 0;
@@ -85,14 +85,17 @@ TEST_P(FluidRedistribute, GradientAndNormal) {
       const Smoothing s = c.smoothing();
       Values in = values_of(c);
       in["fickian"] = {double(fickian)};
+      in["tension"] = {double(periodic)};
       const auto list = c.lists();
       Expected gradient(in["fluid_gradient"]), normal(in["fluid_normal"]);
       std::size_t surface = 0, inside = 0, cut = 0;
       for (std::size_t i = 0; i < c.places(); ++i) {
         Vector3 g = Vector3::Zero(), n = g, g_scale = g, n_scale = g;
-        double cover = 0, mark = 2, tension = 0;
+        double cover = 0, mark = 2, nearest = 0;
         if (i < c.place.size() && c.mass[i] > 0) {
+          nearest = c.support_in_float();
           for (const std::uint32_t j : list[i]) {
+            nearest = std::min(nearest, c.between(i, j).norm());
             const Vector3 d = c.between(i, j), each = spiky_gradient(c, d);
             const double factor = s.support * c.volume() * s.spline_gradient();
             const double slope =
@@ -101,7 +104,7 @@ TEST_P(FluidRedistribute, GradientAndNormal) {
             n += slope * d, n_scale += std::abs(slope) * d.cwiseAbs();
             cover -= slope * d.squaredNorm() / s.support / c.dimension / lattice_cover(c);
           }
-          mark = c.trait(i, 2), tension = c.trait(i, 3);
+          mark = c.trait(i, 2);
           const double far = in["rate"][0] * g.norm();
           if (fickian && mark * far > in["limit"][0]) mark = in["limit"][0] / far, ++cut;
           const bool at_surface = cover < SURFACE_COVER;
@@ -113,7 +116,7 @@ TEST_P(FluidRedistribute, GradientAndNormal) {
           ++(at_surface ? surface : inside);
         }
         set_vector(gradient, i, g, g_scale);
-        gradient.set(4 * i + 3, tension);
+        gradient.set(4 * i + 3, periodic ? nearest : 0, nearest);
         set_vector(normal, i, n, n_scale);
         normal.set(4 * i + 3, mark, 1 + g_scale.norm() * in["rate"][0] / in["limit"][0]);
       }
@@ -127,7 +130,7 @@ TEST_P(FluidRedistribute, GradientAndNormal) {
 
 // Values as fluid_gradient leaves them, exact in float.
 void after_gradient(const NearCloud& c, Values& in) {
-  in["fickian"] = {1};
+  in["fickian"] = {1}, in["tension"] = {1};
   Device& device = OpenDevices::of(device_choices().front());
   for (const auto& [name, values] :
        run_kernel<Gradient>(device, static_cast<std::uint32_t>(c.places()), chosen<Gradient>(in)))
@@ -174,9 +177,11 @@ TEST_P(FluidRedistribute, NewtonMultipliers) {
 TEST_P(FluidRedistribute, Shifts) {
   for (const bool periodic : {false, true})
     for (const int form : {0, 1, 2})
-      for (const bool tension : {false, true}) {
-        const NearCloud c = cloud_of(periodic);
+      for (const unsigned options : {0u, 1u, 2u, 3u}) {
+        const bool tension = options & 1, mixed = options & 2;
+        const NearCloud c = cloud_of(periodic, mixed);
         Values in = values_of(c);
+        in["mixed"] = {double(mixed)};
         after_gradient(c, in);
         Random random(kernel_seed + 212);
         in["fluid_newton"] = random_groups(random, c.places(), 1e-6);
@@ -222,8 +227,7 @@ TEST_P(FluidRedistribute, Shifts) {
               all -=
                   std::min(mean.norm() / SURFACE_FULL, 1.) * mean.normalized().dot(all) * mean.normalized();
             }
-            if (tension)
-              all += in["pull"][0] * in["fluid_gradient"][4 * i + 3] * vector_at(in["fluid_normal"], i);
+            if (tension) all += in["pull"][0] * c.trait(i, 3) * vector_at(in["fluid_normal"], i);
           }
           set_vector(shift, i, from + all, scale);
           shift.set(4 * i + 3, in["fluid_place"][4 * i + 3]);

@@ -62,7 +62,7 @@ double rate_of(const NearCloud& c, std::size_t i, std::size_t j) {
 Values begin_values(const NearCloud& cloud, bool ghosts) {
   const std::size_t places = cloud.places();
   Values in = cloud.values();
-  in["ghosts"] = {double(ghosts)};
+  in["ghosts"] = {double(ghosts)}, in["mixed"] = {1};
   in["coupling"] = {coupling};
   in["least_distance"] = {least};
   in["near_rate"] = std::vector<double>(in["near"].size(), sentinel);

@@ -4,6 +4,7 @@
 
 #include "engine/model/smoothing.h"
 #include "shaders/common/fluid.glsl"
+#include "tests/support/bodies.h"
 #include "tests/support/kernel_particles.h"
 
 namespace pliant::test {

@@ -4,7 +4,10 @@
 #include "backends/openmp/near.h"
 #include "backends/openmp/pairs.h"
 #include "backends/openmp/smoothing.h"
+#include "shaders/common/fluid.glsl"
 #include "shaders/common/spread.glsl"
+
+#include <type_traits>
 
 namespace pliant::openmp::PLIANT_ISA {
 
@@ -24,7 +27,25 @@ PLIANT_INLINE void part_pairs(const uint* own, const uint* theirs, WideMask<real
   }
 }
 
-template <uint form, bool tension, class real>
+// Whether all pairs of a part push by its own limits, far from any surface: then their sum is known, it is
+// that of the gradient. Most particles inside are such.
+template <bool tension, class real>
+PLIANT_INLINE bool is_plain(const kernels::fluid_redistribute::View<real>& k, uint first, Wide<real> mark,
+                            Wide<real> nearest) {
+  WideMask<real> special = mark < 0;
+  if (tension) special |= nearest < real(SPREAD_APART) * k.spacing;
+  const uint slice = first / 16, count = k.near_count[slice];
+  const uint* row = k.near + (std::size_t{16} * k.rows * slice + first % 16);
+  for (uint r = 0; r < count; ++r, row += 16) {
+    if (r % 8 == 0 && bits<real>(special)) return false;
+    Wide<real> theirs;
+    for (uint lane = 0; lane < lanes<real>; ++lane) theirs[lane] = k.fluid_normal[row[lane]].w;
+    special |= theirs < mark;
+  }
+  return !bits<real>(special);
+}
+
+template <uint form, bool tension, bool mixed, class real>
 PLIANT_INLINE void redistribute(const kernels::fluid_redistribute::View<real>& k) {
   const Wide<real> none{}, one = none + 1;
   const real per_support = 1 / k.support;
@@ -36,19 +57,34 @@ PLIANT_INLINE void redistribute(const kernels::fluid_redistribute::View<real>& k
     const Part<real> part = make_part<real>(first, k.threads - first);
     const Wide4<real> place = gather(k.fluid_place, part.index), normal = gather(k.fluid_normal, part.index);
     const Wide<real> limit = magnitudes<real>(normal.w);
+    const WideMask<real> moves = place.w > 0;
+    if constexpr (form == 0 && !mixed) {
+      const Wide4<real> g = gather(k.fluid_gradient, part.index);
+      if (is_plain<tension, real>(k, first, normal.w, moves ? g.w : spread(k.support))) {
+        const Wide<real> by = moves ? -k.rate * limit : none;
+        store(k.fluid_shift + first, part.count,
+              Wide4<real>{place.x + by * g.x, place.y + by * g.y, place.z + by * g.z, place.w});
+        continue;
+      }
+    }
     Wide<real> marked = normal.w < 0 ? one : none;
     Wide3<real> mean{normal.x, normal.y, normal.z}, all{}, close{};
     const Wide4<real> newton = form > 0 ? gather(k.fluid_newton, part.index) : Wide4<real>{};
     for_each_near(k, part, place, [&](const uint* neighbours, const Wide4<real>& d4, WideMask<real> self) {
       const Wide4<real> there = gather(k.fluid_normal, neighbours);
       const Wide3<real> d{d4.x, d4.y, d4.z};
-      const Wide<real> far = root_wide<real>(dot(d, d)), q = far * per_support, mass = magnitudes<real>(d4.w);
-      const Wide<real> total = place.w + mass, share = 2 * mass / (total > 0 ? total : one);
+      const Wide<real> far = root_wide<real>(dot(d, d)), q = far * per_support;
+      const Wide<real> per_q = 1 / (q + real(1e-18)); // where places coincide the differences vanish
+      Wide<real> share = one;
+      if constexpr (mixed) {
+        const Wide<real> mass = magnitudes<real>(d4.w), total = place.w + mass;
+        share = 2 * mass / (total > 0 ? total : one);
+      }
       Wide<real> weight = there.w < 0 ? within(q) : none;
       weight = self ? none : weight;
       add_scaled<real>(mean, weight, {there.x, there.y, there.z});
       marked += weight;
-      const Wide<real> slope = k.slope_scale * spiky_slope(q), per_far = 1 / (far > 0 ? far : one);
+      const Wide<real> slope = k.slope_scale * spiky_slope(q, per_q), per_far = per_support * per_q;
       Wide3<real> n{per_far * d.x, per_far * d.y, per_far * d.z};
       if constexpr (form == 0) {
         const Wide<real> theirs = magnitudes<real>(there.w), both = limit < theirs ? limit : theirs;
@@ -89,10 +125,15 @@ PLIANT_INLINE void redistribute(const kernels::fluid_redistribute::View<real>& k
     const Wide<real> removed =
         -(part_of < 1 ? part_of : one) / (length2 > 0 ? length2 : one) * dot(mean, shift);
     add_scaled<real>(shift, near_surface ? removed : none, mean);
-    if constexpr (tension)
-      add_scaled<real>(shift, k.pull * gather(k.fluid_gradient, part.index).w,
-                       {normal.x, normal.y, normal.z});
-    const WideMask<real> moves = place.w > 0;
+    if constexpr (tension) {
+      Wide<real> pull{};
+      for (uint lane = 0; lane < lanes<real>; ++lane) {
+        if (!(normal.w[lane] < 0)) continue;
+        const uint material = static_cast<uint>(static_cast<int>(k.fluid_velocity[part.index[lane]].w));
+        pull[lane] = k.pull * k.fluid_material[FLUID_ROWS * material + FLUID_TRAITS].w;
+      }
+      add_scaled<real>(shift, pull, {normal.x, normal.y, normal.z});
+    }
     store(k.fluid_shift + first, part.count,
           Wide4<real>{moves ? place.x + shift.x : place.x, moves ? place.y + shift.y : place.y,
                       moves ? place.z + shift.z : place.z, place.w});
@@ -102,12 +143,18 @@ PLIANT_INLINE void redistribute(const kernels::fluid_redistribute::View<real>& k
 } // namespace
 
 template <class real> void fluid_redistribute(const kernels::fluid_redistribute::View<real>& k) {
+  const auto with = [&](auto form) {
+    if (k.tension)
+      k.mixed ? redistribute<form(), true, true>(k) : redistribute<form(), true, false>(k);
+    else
+      k.mixed ? redistribute<form(), false, true>(k) : redistribute<form(), false, false>(k);
+  };
   if (k.form == 0)
-    k.tension ? redistribute<0, true>(k) : redistribute<0, false>(k);
+    with(std::integral_constant<uint, 0>());
   else if (k.form == 1)
-    k.tension ? redistribute<1, true>(k) : redistribute<1, false>(k);
+    with(std::integral_constant<uint, 1>());
   else
-    k.tension ? redistribute<2, true>(k) : redistribute<2, false>(k);
+    with(std::integral_constant<uint, 2>());
 }
 
 PLIANT_BODY(fluid_redistribute)
