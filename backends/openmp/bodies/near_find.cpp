@@ -15,7 +15,7 @@ template <class real> struct Around {
   uint cell = nowhere, count = 0; // nowhere: more than there is room for
   Vec3<real> centre{};            // of the cell, m
   alignas(64) real x[room + 16], y[room + 16], z[room + 16];
-  uint index[room + 16];
+  uint index[room + 16], near[room + 16]; // near: of one place of the cell
 };
 
 /// Calls visit(begin, end) for the runs of sorted places in the cells around one.
@@ -41,6 +41,12 @@ PLIANT_INLINE Vec3<real> image(const View& k, const Vec3<real>& centre, const Re
           nearest_image(place.z, centre.z, k.period_z)};
 }
 
+/// How far a coordinate lies outside a box.
+template <class real> PLIANT_INLINE Wide<real> beyond(Wide<real> at, real low, real high) {
+  const Wide<real> below = low - at, above = at - high, most = below > above ? below : above, none{};
+  return most > 0 ? most : none;
+}
+
 template <class View, class real>
 PLIANT_INLINE void look_around(const View& k, LatticeCell cell, uint number, Around<real>& around) {
   around.cell = number;
@@ -57,18 +63,27 @@ PLIANT_INLINE void look_around(const View& k, LatticeCell cell, uint number, Aro
     high = {larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z)};
   }
   const real enough = real(1.0001) * k.reach * k.reach;
+  const bool repeats = k.period_x > 0 || k.period_y > 0 || k.period_z > 0;
   uint count = 0, all = 0;
   for_each_run(k, cell, [&](uint begin, uint end) {
     all += end - begin;
     if (all > Around<real>::room) return;
-    for (uint j = begin; j < end; ++j) {
-      const Vec3<real> p = image(k, around.centre, k.fluid_place[j]);
-      const Vec3<real> away{larger(real(0), larger(low.x - p.x, p.x - high.x)),
-                            larger(real(0), larger(low.y - p.y, p.y - high.y)),
-                            larger(real(0), larger(low.z - p.z, p.z - high.z))};
-      around.x[count] = p.x, around.y[count] = p.y, around.z[count] = p.z;
-      around.index[count] = j;
-      count += dot(away, away) < enough;
+    for (uint j = begin; j < end; j += lanes<real>) {
+      const Part<real> part = make_part<real>(j, end - j);
+      Wide4<real> p = gather(k.fluid_place, part.index);
+      if (repeats) {
+        p.x = nearest_images<real>(p.x, around.centre.x, k.period_x);
+        p.y = nearest_images<real>(p.y, around.centre.y, k.period_y);
+        p.z = nearest_images<real>(p.z, around.centre.z, k.period_z);
+      }
+      const Wide3<real> away{beyond<real>(p.x, low.x, high.x), beyond<real>(p.y, low.y, high.y),
+                             beyond<real>(p.z, low.z, high.z)};
+      const Chosen<real> chosen(bits<real>(dot(away, away) < enough) & ((2u << (part.count - 1)) - 1));
+      chosen.store(around.x + count, p.x);
+      chosen.store(around.y + count, p.y);
+      chosen.store(around.z + count, p.z);
+      chosen.store(around.index + count, load_words<real>(part.index));
+      count += chosen.count();
     }
   });
   if (all > Around<real>::room) {
@@ -108,13 +123,22 @@ template <class real> void near_find(const kernels::near_find::View<real>& k) {
           const Vec3<real> p = image(k, around.centre, own);
           if (around.count != Around<real>::nowhere) {
             const Wide<real> x = spread(p.x), y = spread(p.y), z = spread(p.z);
+            uint found = 0;
             for (uint at = 0; at < around.count; at += lanes<real>) {
               const Wide<real> dx = x - load_wide(around.x + at), dy = y - load_wide(around.y + at),
                                dz = z - load_wide(around.z + at);
-              for (uint near = bits<real>(dx * dx + dy * dy + dz * dz < reach2); near; near &= near - 1) {
-                const uint j = around.index[at + static_cast<uint>(__builtin_ctz(near))];
-                if (j != i) list(j);
+              const Chosen<real> chosen(bits<real>(dx * dx + dy * dy + dz * dz < reach2));
+              chosen.store(around.near + found, load_words<real>(around.index + at));
+              found += chosen.count();
+            }
+            if (found <= k.rows) { // no branch but the loop's: the own place is overwritten
+              for (uint at = 0; at < found; ++at) {
+                lists[16 * count + lane] = around.near[at];
+                count += around.near[at] != i;
               }
+            } else {
+              for (uint at = 0; at < found; ++at)
+                if (around.near[at] != i) list(around.near[at]);
             }
           } else { // a crowd
             for_each_run(k, cell, [&](uint begin, uint end) {
