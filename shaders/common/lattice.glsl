@@ -3,9 +3,9 @@ int lattice_coordinate(float x, float per_cell) {
   float at = x * per_cell;
   return abs(at) < 1e9 ? int(floor(at)) : 0; // what is not finite shares one cell
 }
-uint wrapped(int at, uint cells) { // of negative numbers % is not defined
-  int n = int(cells);
-  return uint(at >= 0 ? at % n : n - 1 - (-at - 1) % n);
+uint wrapped(int at, uint cells) { // % is not defined for negative numbers
+  int n = int(cells), turns = at >= 0 ? at / n : -((n - 1 - at) / n);
+  return uint(at - turns * n);
 }
 uint lattice_cell(vec3 place, vec3 per_cell, uvec3 cells) {
   uint x = wrapped(lattice_coordinate(place.x, per_cell.x), cells.x);
