@@ -22,6 +22,7 @@ constexpr std::size_t plain_columns = 11;
 constexpr const char* fracture_columns = ",broken_bonds,fracture_energy";
 constexpr const char* energy_columns = ",energy_error,energy_rises";
 constexpr const char* plastic_columns = ",yielding,plastic_work,plastic_strain,plastic_volume";
+constexpr const char* fluid_columns = ",density_error,largest_density_error,density_slope,removed";
 
 std::string header_of(const std::filesystem::path& path, const std::vector<std::string>& components,
                       bool energies) {
@@ -39,6 +40,7 @@ std::string header_of(const std::filesystem::path& path, const std::vector<std::
   if (energies) header += energy_columns;
   if (std::find(components.begin(), components.end(), "plasticity") != components.end())
     header += plastic_columns;
+  if (std::find(components.begin(), components.end(), "density") != components.end()) header += fluid_columns;
   return header + "\n";
 }
 
@@ -122,6 +124,9 @@ void StatisticsWriter::append(const StatisticsRow& row) {
   if (row.plastic)
     line += fmt::format(",{:.0f},{},{},{}", (*row.plastic)[0], (*row.plastic)[1], (*row.plastic)[2],
                         (*row.plastic)[3]);
+  if (row.fluid)
+    line +=
+        fmt::format(",{},{},{},{:.0f}", (*row.fluid)[0], (*row.fluid)[1], (*row.fluid)[2], (*row.fluid)[3]);
   write(line + "\n");
 }
 
@@ -137,8 +142,8 @@ std::vector<StatisticsRow> read_statistics(const std::filesystem::path& path) {
     line.resize(line.size() - columns.size());
     return true;
   };
-  const bool plastic = ends_in(plastic_columns), energies = ends_in(energy_columns),
-             fracture = ends_in(fracture_columns);
+  const bool fluid = ends_in(fluid_columns), plastic = ends_in(plastic_columns),
+             energies = ends_in(energy_columns), fracture = ends_in(fracture_columns);
   while (std::getline(text, line) && !text.eof()) {
     std::vector<std::string> cells(1);
     for (const char c : line)
@@ -167,6 +172,12 @@ std::vector<StatisticsRow> read_statistics(const std::filesystem::path& path) {
                       {number(7), number(8), number(9)},
                       number(10),
                       {}};
+    if (fluid) {
+      if (cells.size() < plain_columns + 4) throw damaged();
+      row.fluid.emplace();
+      for (std::size_t c = 0; c < 4; ++c) (*row.fluid)[c] = number(cells.size() - 4 + c);
+      cells.resize(cells.size() - 4);
+    }
     if (plastic) {
       if (cells.size() < plain_columns + 4) throw damaged();
       row.plastic.emplace();

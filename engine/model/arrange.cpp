@@ -72,6 +72,21 @@ Bonds without(Bonds bonds, const std::vector<Vector3>& reference, const Severed&
   return kept;
 }
 
+/// By z, then y, then x.
+std::vector<std::uint32_t> lexicographic_order(const std::vector<GridVector>& grid) {
+  std::vector<std::uint32_t> order(grid.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto lexicographic = [&grid](std::uint32_t a, std::uint32_t b) {
+    const GridVector &p = grid[a], &q = grid[b];
+    if (p[2] != q[2]) return p[2] < q[2];
+    if (p[1] != q[1]) return p[1] < q[1];
+    return p[0] != q[0] ? p[0] < q[0] : a < b;
+  };
+  if (!std::is_sorted(order.begin(), order.end(), lexicographic))
+    std::sort(order.begin(), order.end(), lexicographic);
+  return order;
+}
+
 template <class T> void extend(std::vector<T>& whole, std::vector<T>&& part) {
   if (whole.empty())
     whole = std::move(part);
@@ -92,16 +107,7 @@ Arrangement arrange(const std::vector<Vector3>& points, double spacing, double h
                             horizon / spacing, longest_horizon));
   const std::vector<GridVector> grid = to_grid(points, spacing);
   Arrangement body;
-  body.original.resize(points.size());
-  std::iota(body.original.begin(), body.original.end(), 0u);
-  const auto lexicographic = [&grid](std::uint32_t a, std::uint32_t b) {
-    const GridVector &p = grid[a], &q = grid[b];
-    if (p[2] != q[2]) return p[2] < q[2];
-    if (p[1] != q[1]) return p[1] < q[1];
-    return p[0] != q[0] ? p[0] < q[0] : a < b;
-  };
-  if (!std::is_sorted(body.original.begin(), body.original.end(), lexicographic))
-    std::sort(body.original.begin(), body.original.end(), lexicographic);
+  body.original = lexicographic_order(grid);
   for (std::size_t i = 1; i < body.original.size(); ++i) {
     const std::uint32_t a = body.original[i - 1], b = body.original[i];
     if (grid[a] == grid[b])
@@ -125,6 +131,17 @@ Arrangement arrange(const std::vector<Vector3>& points, double spacing, double h
     body.bonds = without(find_bonds(body.reference, horizon), body.reference, severed);
     body.components = label_components(body.bonds, body.component);
   }
+  return body;
+}
+
+Arrangement arrange_unbonded(const std::vector<Vector3>& points, double spacing) {
+  const std::vector<GridVector> grid = to_grid(points, spacing);
+  Arrangement body;
+  body.original = lexicographic_order(grid);
+  body.reference = in_order(grid, body.original, spacing);
+  body.component.assign(points.size(), 0);
+  body.components = points.empty() ? 0 : 1;
+  body.bonds.begin.assign(points.size() + 1, 0);
   return body;
 }
 

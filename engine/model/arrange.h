@@ -25,6 +25,9 @@ using Severed = std::function<bool(const Vector3& from, const Vector3& to)>;
 Arrangement arrange(const std::vector<Vector3>& points, double spacing, double horizon,
                     const Severed& severed = {});
 
+/// The same without bonds, of points that are one component: of fluids.
+Arrangement arrange_unbonded(const std::vector<Vector3>& points, double spacing);
+
 /// The values of a body that the model keeps for each particle, in the arrangement's order.
 struct BodyParticles {
   Arrangement arrangement; ///< with weights

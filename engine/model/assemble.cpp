@@ -95,6 +95,10 @@ public:
     const Sampling sampling = located(place_, [&] { return sample_body(scene_.simulation.spacing); });
     for (const std::string& warning : sampling.warnings) model_.warnings.push_back(place_ + ": " + warning);
     check_memory(sampling);
+    if (law_ == Law::fluid) {
+      pour(sampling);
+      return;
+    }
     place(sampling);
     check_sparse(sampling);
     set_materials(sampling);
@@ -148,6 +152,27 @@ private:
     for (const Vector3& r : particles_.arrangement.reference)
       particles_.position.push_back(sampling.origin + sampling.axes * r);
     for (const Vector3& p : particles_.position) box_.extend(p);
+  }
+
+  /// Particles without bonds. Each has the mass of its share of a full lattice, so that they are at rest
+  /// where they are.
+  void pour(const Sampling& sampling) {
+    Arrangement& body = particles_.arrangement;
+    body = located(place_, [&] { return arrange_unbonded(sampling.reference, model_.spacing); });
+    for (const Vector3& r : body.reference)
+      particles_.position.push_back(sampling.origin + sampling.axes * r);
+    for (const Vector3& p : particles_.position) box_.extend(p);
+    set_materials(sampling);
+    const double volume = std::pow(model_.spacing, 2) * (flat() ? thickness() : model_.spacing);
+    for (std::size_t i = 0; i < particles_.position.size(); ++i) {
+      particles_.volume[i] = volume;
+      particles_.mass[i] = scene_.materials[particles_.material[i]].density * volume;
+    }
+    located(place_, [&] { set_initial_state(body_, {}, particles_); });
+    describe(sampling);
+    model_.bodies[index_].surface.reset(); // nothing holds a mesh to particles that part
+    model_.bodies[index_].surface_reference.clear();
+    located(place_, [&] { append(model_, index_, law_, std::move(particles_)); });
   }
 
   /// Of the bodies so far and this one, to assemble and to run them.

@@ -48,9 +48,13 @@ Model assemble_points(const std::vector<Vector3>& points, double spacing, double
   std::vector<Vector3> relative(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) relative[i] = points[i] - body.origin;
   BodyParticles particles;
-  particles.arrangement = arrange(relative, spacing, model.horizon);
   Arrangement& part = particles.arrangement;
-  model.weight_report = compute_weights(part.bonds, part.reference, spacing, law, weights, weight_exponent);
+  if (law == Law::fluid) {
+    part = arrange_unbonded(relative, spacing);
+  } else {
+    part = arrange(relative, spacing, model.horizon);
+    model.weight_report = compute_weights(part.bonds, part.reference, spacing, law, weights, weight_exponent);
+  }
   particles.position.reserve(points.size());
   for (const Vector3& r : part.reference) particles.position.push_back(body.origin + r);
   particles.velocity.assign(points.size(), Vector3::Zero());

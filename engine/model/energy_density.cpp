@@ -151,6 +151,8 @@ EnergyDensity::State EnergyDensity::evaluate(const Matrix3& f) const {
     result.stress = mu * f + (lambda * growth - mu) * cofactor(f);
     break;
   }
+  case Law::fluid: // what a fluid stores is no function of its deformation
+    break;
   case Law::ordinary:
   case Law::projective:
   case Law::basis: {

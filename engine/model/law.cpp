@@ -106,6 +106,7 @@ LawConstants law_constants(Law law, double young, double poisson, double split, 
 }
 
 LawConstants law_constants(const Material& material, Neighbourhood neighbourhood) {
+  if (material.fluid()) return {}; // no bonds
   LawConstants constants =
       law_constants(law_of(material), material.young, material.poisson, material.split, neighbourhood);
   if (material.calibration == "xu2018") {
@@ -128,6 +129,7 @@ Law law_from_name(const std::string& name) {
 }
 
 Law law_of(const Material& material) {
+  if (material.fluid()) return Law::fluid;
   if (material.law == "stvk") return Law::basis;
   if (material.law == "neo-hookean") return material.form == "bonds" ? Law::basis : Law::neo_hookean;
   return law_from_name(material.law);
@@ -145,6 +147,8 @@ const char* law_name(Law law) {
     return "basis";
   case Law::neo_hookean:
     return "neo-hookean";
+  case Law::fluid:
+    return "fluid";
   }
   return "unknown";
 }

@@ -23,7 +23,7 @@ inline constexpr int reference_grid = 120;
 /// Bonds are stored in slices of this many particles (SELL-16): one row of a slice is one vector of the CPU.
 inline constexpr std::uint32_t slice_width = 16;
 
-enum class Law : std::uint8_t { corotated, ordinary, projective, basis, neo_hookean };
+enum class Law : std::uint8_t { corotated, ordinary, projective, basis, neo_hookean, fluid };
 
 /// Bonds in rows: particle i has neighbours neighbour[begin[i]] .. neighbour[begin[i+1]-1], in increasing
 /// order. Bonds are symmetric: if j is in i's row then i is in j's.

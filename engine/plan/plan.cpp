@@ -6,6 +6,7 @@
 #include "engine/solver/contact.h"
 #include "engine/solver/direct.h"
 #include "engine/solver/elastic_law.h"
+#include "engine/solver/fluid.h"
 #include "engine/solver/frame.h"
 #include "engine/solver/inversion.h"
 #include "engine/solver/multilevel.h"
@@ -59,6 +60,27 @@ public:
     kernels<kernels::prescribe::Args>();
     begin("loads", plan_.loaded);
     buffer("external_force", Type::real4, n_);
+  }
+
+  /// Instead of everything else that moves particles.
+  void fluid() {
+    begin("motion", true);
+    buffer("position", Type::real4, n_);
+    buffer("velocity", Type::real4, n_);
+    buffer("origin", Type::real4, model_.bodies.size());
+    const FluidPlan needs = plan_fluid(scene_, model_, plan_.statistics);
+    for (const char* component : {"neighbours", "density", "boundaries"}) {
+      begin(component, component != std::string("boundaries") || needs.walls);
+      for (const BufferSpec& spec : needs.buffers)
+        if (spec.component == component) buffer(spec.name, spec.type, spec.count);
+      for (const KernelSpec& spec : needs.kernels)
+        if (spec.component == component) kernel(spec);
+    }
+  }
+
+  void leave_fluid() {
+    begin("neighbours", false);
+    begin("density", false);
   }
 
   void solver() {
@@ -209,13 +231,15 @@ public:
     buffer("chunk", Type::uint4, chunks.chunk.size());
     buffer("chunk_sum", Type::real4, 2 * chunks.chunk.size());
     buffer("statistics", Type::real, std::size_t{16} * statistics_rows);
-    kernel(kernels::statistics_chunk::Args{.energies = 1});
+    if (plan_.fluid) buffer("solver", Type::real, SOLVER_ENTRIES);
+    kernel(kernels::statistics_chunk::Args{.energies = plan_.energy});
     kernels<kernels::statistics_total::Args>();
     begin("divergence", plan_.divergence);
     buffer("chunk", Type::uint4, chunks.chunk.size());
     buffer("chunk_sum", Type::real4, 2 * chunks.chunk.size());
     buffer("statistics", Type::real, std::size_t{16} * statistics_rows);
-    kernel(kernels::statistics_chunk::Args{.energies = plan_.statistics});
+    if (plan_.fluid) buffer("solver", Type::real, SOLVER_ENTRIES);
+    kernel(kernels::statistics_chunk::Args{.energies = plan_.statistics && plan_.energy});
     kernels<kernels::statistics_total::Args>();
     for (const std::string& name : persistent_buffers(plan_))
       if (const BufferSpec* spec = plan_.find(name)) {
@@ -232,6 +256,7 @@ public:
     for (const char* component : {"frames", "surfaces", "strain"}) {
       const std::string name = component;
       begin(component, name == "frames" ? plan_.frames : name == "surfaces" ? plan_.surfaces : plan_.strain);
+      if (plan_.fluid && name == "frames") buffer("owner", Type::uint, n_);
       for (const BufferSpec& spec : needs.buffers)
         if (spec.component == name) buffer(spec.name, spec.type, spec.count);
       for (const KernelSpec& spec : needs.kernels)
@@ -335,13 +360,20 @@ Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds,
                                                                  "energy") != request.fields.end();
   plan.failure = can_break(scene, model);
   plan.plastic = can_flow(scene, model);
-  plan.method = choose_method(scene, model);
-  plan.energy = request.statistics || plan.method.potential || (request.frames && drawn);
+  plan.fluid = any_law(model, Law::fluid);
+  if (plan.fluid) plan.momentum = false;
+  if (!plan.fluid) plan.method = choose_method(scene, model);
+  plan.energy = !plan.fluid && (request.statistics || plan.method.potential || (request.frames && drawn));
   Planner planner(plan, scene, model, bonds);
-  planner.motion();
-  planner.contacts();
-  planner.solver();
-  planner.elasticity();
+  if (plan.fluid) {
+    planner.fluid();
+  } else {
+    planner.motion();
+    planner.contacts();
+    planner.solver();
+    planner.elasticity();
+    planner.leave_fluid();
+  }
   planner.flatness();
   planner.sums(make_chunks(model));
   planner.frames(request);

@@ -185,6 +185,13 @@ CheckReport check_scene(Scene scene, Device& device) {
   const double iterations =
       std::min(report.predicted_iterations, static_cast<double>(report.iteration_cap)) + 1;
   report.seconds = 1e-3 * report.ms_per_iteration * iterations * static_cast<double>(report.steps);
+  if (simulation.plan().fluid) {
+    report.solver = "position-based fluid";
+    report.predicted_iterations = report.iteration_cap = scene.fluid.density_iterations;
+    const double step = report.ms_per_iteration * (trial_iterations + 1);
+    report.ms_per_iteration = step / scene.fluid.density_iterations;
+    report.seconds = 1e-3 * step * static_cast<double>(report.steps);
+  }
   warn(report, scene, model);
   return report;
 }

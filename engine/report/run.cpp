@@ -88,6 +88,7 @@ private:
   void checkpoint();
   void watch_contacts(Progress& progress);
   nlohmann::json record(const std::string& status) const;
+  nlohmann::json fluid_record() const;
   void print(const std::string& text) const;
   void finish(const std::string& status);
   void say(const std::string& line) const { fmt::print(stderr, "{}\n", line); }
@@ -231,6 +232,10 @@ bool Run::stretch(Progress& progress) {
          simulation_->plan().plastic
              ? std::optional(std::array{static_cast<double>(row.yielding), row.plastic_work,
                                         row.plastic_strain, row.plastic_volume})
+             : std::nullopt,
+         simulation_->plan().fluid
+             ? std::optional(std::array{row.density_error, row.largest_density_error, row.density_slope,
+                                        static_cast<double>(row.removed)})
              : std::nullopt});
   }
   return !rows.empty();
@@ -307,6 +312,7 @@ nlohmann::json Run::record(const std::string& status) const {
   j["divided_steps"] = guard_->divided_steps();
   j["peak_bytes"] = {{"host", static_cast<std::int64_t>(usage.ru_maxrss) * 1024},
                      {"device", device_->bytes_peak()}};
+  if (simulation_->plan().fluid) j["fluid"] = fluid_record();
   const Method& method = simulation_->plan().method;
   j["solver"] = {{"method", method.name},
                  {"preconditioner", method.preconditioner},
@@ -317,6 +323,21 @@ nlohmann::json Run::record(const std::string& status) const {
   j["warnings"] = model_.warnings;
   j["scene"] = scene_to_json(scene_);
   return j;
+}
+
+nlohmann::json Run::fluid_record() const {
+  std::vector<double> mean, largest;
+  double removed = 0;
+  for (const StatisticsRow& row : outputs_->rows()) {
+    if (!row.fluid) continue;
+    mean.push_back((*row.fluid)[0]);
+    largest.push_back((*row.fluid)[1]);
+    removed = (*row.fluid)[3];
+  }
+  return {
+      {"density_error", {{"median", percentile(mean, 0.5)}, {"max", percentile(mean, 1.0)}}},
+      {"largest_density_error", {{"median", percentile(largest, 0.5)}, {"max", percentile(largest, 1.0)}}},
+      {"removed", removed}};
 }
 
 void Run::print(const std::string& text) const {
@@ -367,8 +388,13 @@ ExitCode Run::go() {
     return static_cast<ExitCode>(128 + interrupt);
   }
   const std::vector<StatisticsRow>& rows = outputs_->rows();
+  if (const std::size_t removed =
+          rows.empty() || !rows.back().fluid ? 0 : std::size_t((*rows.back().fluid)[3]))
+    progress.say(fmt::format("{} particles left the domain and were removed", removed));
   const auto capped =
-      std::count_if(rows.begin(), rows.end(), [](const StatisticsRow& row) { return row.stopped == "cap"; });
+      simulation_->plan().fluid ? 0 : std::count_if(rows.begin(), rows.end(), [](const StatisticsRow& row) {
+        return row.stopped == "cap";
+      });
   if (capped > 0)
     progress.say(fmt::format(
         "{} of {} steps reached the cap of {} iterations before the tolerance: the result is softer "

@@ -90,6 +90,11 @@ struct Material {
   std::optional<double> critical_stretch; ///< bonds break beyond a length of (1 + this) times the one at rest
   bool breaks() const { return fracture_energy || critical_stretch; }
   Plasticity plastic; ///< law "ordinary"
+  // Model "fluid"; nothing of the above but density and colour then.
+  double viscosity = 0;       ///< Pa s
+  double redistribution = 0;  ///< 0 to 1: how strongly particles spread evenly
+  double surface_tension = 0; ///< pull on particles of the surface, dimensionless
+  bool fluid() const { return model == "fluid"; }
 };
 
 /// Whether the material's law feels lengths only, so that a neighbourhood may stay inverted unless it is
@@ -201,6 +206,23 @@ struct ContactSettings {
   double friction = 0.3; ///< Coulomb coefficient between particles
 };
 
+/// Of materials whose model is "fluid".
+struct FluidSettings {
+  double horizon = 2.1;                   ///< reach of the smoothing functions, spacings
+  unsigned density_iterations = 5;        ///< a step
+  unsigned redistribution_iterations = 5; ///< a step
+  unsigned viscosity_iterations = 100;    ///< a cap
+  double viscosity_tolerance = 1e-3;      ///< relative residual
+  std::optional<unsigned> neighbours;     ///< that the list of a particle has room for
+};
+
+/// Where fluids may be: what leaves it is removed, or comes in again on the other side where it is periodic.
+struct DomainSettings {
+  bool given = false;
+  Vector3 low = Vector3::Zero(), high = Vector3::Zero(); ///< m
+  std::array<bool, 3> periodic = {false, false, false};
+};
+
 struct OutputSettings {
   double fps = 30;
   std::vector<std::string> fields; ///< "velocity", "displacement", "strain", "energy", "damage",
@@ -234,6 +256,8 @@ struct Scene {
   SimulationSettings simulation;
   SolverSettings solver;
   ContactSettings contact;
+  FluidSettings fluid;
+  DomainSettings domain;
   std::vector<Material> materials;
   std::vector<Body> bodies;
   std::vector<Boundary> boundaries;
@@ -241,6 +265,12 @@ struct Scene {
   RenderSettings render;
   bool allow_overlap = false, allow_sparse = false;
 
+  /// Of fluids; they and elastic bodies do not share a scene.
+  bool flows() const {
+    for (const Body& body : bodies)
+      if (const Material* m = material(body.material); m && m->fluid()) return true;
+    return false;
+  }
   const Material* material(const std::string& wanted) const {
     for (const Material& m : materials)
       if (m.name == wanted) return &m;

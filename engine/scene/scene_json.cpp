@@ -55,6 +55,7 @@ json schema::value_json(const Key& key, void* object) {
     json operator()(const std::optional<bool>* v) const { return *v ? json(**v) : json(); }
     json operator()(const int* v) const { return *v; }
     json operator()(const unsigned* v) const { return *v; }
+    json operator()(const std::optional<unsigned>* v) const { return *v ? json(**v) : json(); }
     json operator()(const double* v) const { return number_json(*v, key.scale); }
     json operator()(const std::optional<double>* v) const {
       return *v ? number_json(**v, key.scale) : json();
@@ -68,6 +69,7 @@ json schema::value_json(const Key& key, void* object) {
       return rows;
     }
     json operator()(const std::array<unsigned, 2>* v) const { return *v; }
+    json operator()(const std::array<bool, 3>* v) const { return *v; }
     json operator()(const std::optional<std::array<double, 2>>* v) const { return *v ? json(**v) : json(); }
     json operator()(const std::vector<std::string>* v) const { return *v; }
     json operator()(const std::map<std::string, double>* v) const { return *v; }

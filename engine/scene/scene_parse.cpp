@@ -200,6 +200,17 @@ private:
   void read(const Key& key, const TomlValue& value, const std::string& path, unsigned* place) {
     if (const auto n = whole(key, value, path)) *place = static_cast<unsigned>(*n);
   }
+  void read(const Key& key, const TomlValue& value, const std::string& path, std::optional<unsigned>* place) {
+    if (const auto n = whole(key, value, path)) *place = static_cast<unsigned>(*n);
+  }
+  void read(const Key& key, const TomlValue& value, const std::string& path, std::array<bool, 3>* place) {
+    if (!is_list(key, value, path, 3)) return;
+    for (std::size_t i = 0; i < 3; ++i)
+      if (value.items[i].kind == Kind::boolean)
+        (*place)[i] = value.items[i].boolean;
+      else
+        wrong_type(value.items[i], fmt::format("{}[{}]", path, i), "true or false");
+  }
   void read(const Key& key, const TomlValue& value, const std::string& path, bool* place) {
     if (!key.choices.empty()) {
       if (const auto index = choice(key, value, path)) *place = *index == 1;

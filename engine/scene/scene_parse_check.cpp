@@ -149,6 +149,8 @@ void check_failure(const TomlValue& value, const Material& material, const std::
 
 void check_material(const TomlValue& value, Material& material, const std::string& path, Findings& findings) {
   material.color_given = value.find("color") != nullptr;
+  check_fluid(value, material, path, findings);
+  if (material.fluid()) return;
   check_plastic(value, material, path, findings);
   check_basis_law(value, material, path, findings);
   check_inversion(value, material, path, findings);
@@ -354,6 +356,7 @@ void check_scene(const TomlValue& document, Scene& scene, Findings& findings) {
   }
   if (flows) check_plastic_bodies(document, scene, findings);
 
+  check_fluids(document, scene, findings);
   check_flat(document, scene, findings);
   check_energy_tolerance(document, scene, findings);
 

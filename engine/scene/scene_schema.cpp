@@ -18,6 +18,17 @@ std::vector<void*> every_camera(void* render) {
   auto& camera = static_cast<RenderSettings*>(render)->camera;
   return camera ? std::vector<void*>{&*camera} : std::vector<void*>{};
 }
+void* add_domain(void* scene) {
+  auto& domain = static_cast<Scene*>(scene)->domain;
+  domain.given = true;
+  return &domain;
+}
+bool has_domain(const void* scene) {
+  return static_cast<const Scene*>(scene)->domain.given;
+}
+bool has_fluids(const void* scene) {
+  return static_cast<const Scene*>(scene)->flows();
+}
 bool by_power(const void* simulation) {
   return static_cast<const SimulationSettings*>(simulation)->influence == "power";
 }
@@ -296,12 +307,20 @@ const Table& root() {
        {.name = "contact",
         .meaning = "contact between particles",
         .nested = {.table = &contact_table(), .add = child<&Scene::contact>, .all = only<&Scene::contact>}},
+       {.name = "fluid",
+        .meaning = "how fluids are solved",
+        .nested = {.table = &fluid_table(), .add = child<&Scene::fluid>, .all = only<&Scene::fluid>},
+        .applies = has_fluids},
+       {.name = "domain",
+        .meaning = "where fluids may be",
+        .nested = {.table = &domain_table(), .add = add_domain, .all = only<&Scene::domain>},
+        .applies = has_domain},
        {.name = "materials",
         .meaning = "materials by name",
         .required = true,
         .nested = {&material_table(), How::named, append<&Scene::materials>, every<&Scene::materials>}},
        {.name = "body",
-        .meaning = "solids",
+        .meaning = "solids and fluids",
         .required = true,
         .nested = {&body_table(), How::list, append<&Scene::bodies>, every<&Scene::bodies>}},
        {.name = "boundary",

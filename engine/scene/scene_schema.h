@@ -30,8 +30,9 @@ struct Flags {
 };
 
 /// Where a value lives. A bool whose key has two choices is false for the first and true for the second.
-using Slot = std::variant<bool*, std::optional<bool>*, int*, unsigned*, double*, std::optional<double>*,
-                          std::string*, Vector3*, std::optional<Vector3>*, Matrix3*, std::array<unsigned, 2>*,
+using Slot = std::variant<bool*, std::optional<bool>*, int*, unsigned*, std::optional<unsigned>*, double*,
+                          std::optional<double>*, std::string*, Vector3*, std::optional<Vector3>*, Matrix3*,
+                          std::array<unsigned, 2>*, std::array<bool, 3>*,
                           std::optional<std::array<double, 2>>*, std::vector<std::string>*,
                           std::map<std::string, double>*, Flags>; // map: shares of basis functions by name
 
@@ -98,6 +99,8 @@ const Table& moved_table();
 const Table& loaded_table();
 const Table& region_table();
 const Table& deformed_table();
+const Table& fluid_table();
+const Table& domain_table();
 const Table& simulation_table();
 const Table& camera_table();
 const Table& render_table();

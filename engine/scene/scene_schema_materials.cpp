@@ -15,11 +15,17 @@ std::vector<void*> only_itself(void* object) {
 const Material& material_of(const void* object) {
   return *static_cast<const Material*>(object);
 }
+bool elastic(const void* object) {
+  return !material_of(object).fluid();
+}
+bool fluid(const void* object) {
+  return material_of(object).fluid();
+}
 bool projective(const void* object) {
-  return material_of(object).law == "projective";
+  return elastic(object) && material_of(object).law == "projective";
 }
 bool may_invert(const void* object) {
-  return may_invert(material_of(object));
+  return elastic(object) && may_invert(material_of(object));
 }
 bool has_form(const void* object) {
   return material_of(object).law == "stvk" || material_of(object).law == "neo-hookean";
@@ -188,11 +194,15 @@ const Table& material_table() {
       "materials",
       "[materials.<name>]",
       "A material.",
-      {{.name = "model", .meaning = "kind of matter", .slot = at<&Material::model>, .choices = {"elastic"}},
+      {{.name = "model",
+        .meaning = "kind of matter",
+        .slot = at<&Material::model>,
+        .choices = {"elastic", "fluid"}},
        {.name = "law",
         .meaning = "elastic law; \"projective\" has Poisson's ratio 1/4 always",
         .slot = at<&Material::law>,
-        .choices = {"corotated", "ordinary", "projective", "basis", "stvk", "neo-hookean"}},
+        .choices = {"corotated", "ordinary", "projective", "basis", "stvk", "neo-hookean"},
+        .applies = elastic},
        form_key(),
        basis_key(),
        calibration_key(),
@@ -209,13 +219,15 @@ const Table& material_table() {
         .range = {.low = 0,
                   .high = 1e12,
                   .above = true,
-                  .why = "matter without stiffness is not elastic, and none is stiffer than diamond"}},
+                  .why = "matter without stiffness is not elastic, and none is stiffer than diamond"},
+        .applies = elastic},
        {.name = "poisson",
         .meaning = "Poisson's ratio; at most 0.499 in solids; law = \"projective\": 1/4, in sheets 1/3",
         .slot = at<&Material::poisson>,
         .range = {.low = 0,
                   .high = 0.95,
-                  .why = "at 0.5 the bulk modulus of solids is infinite, and that of sheets at 1"}},
+                  .why = "at 0.5 the bulk modulus of solids is infinite, and that of sheets at 1"},
+        .applies = elastic},
        {.name = "split",
         .meaning = "law \"projective\" only: share of the deviatoric term",
         .slot = at<&Material::split>,
@@ -238,13 +250,32 @@ const Table& material_table() {
         .slot = at<&Material::fracture_energy>,
         .unit = "J/m2",
         .range = {.low = 0, .above = true, .why = "a crack that takes no energy is there from the start"},
-        .example = "135"},
+        .example = "135",
+        .applies = elastic},
        {.name = "critical_stretch",
         .meaning = "instead: bonds break beyond (1 + this) times their length at rest",
         .slot = at<&Material::critical_stretch>,
         .range = {.low = 0, .above = true, .why = "bonds at rest have a stretch of 1 and must not break"},
-        .example = "0.02"},
-       plastic_key()},
+        .example = "0.02",
+        .applies = elastic},
+       plastic_key(),
+       {.name = "viscosity",
+        .meaning = "model \"fluid\": dynamic viscosity; water 0.001, honey about 10",
+        .slot = at<&Material::viscosity>,
+        .unit = "Pa s",
+        .range = {.low = 0, .why = "less than none would speed up what flows past itself"},
+        .applies = fluid},
+       {.name = "redistribution",
+        .meaning = "model \"fluid\": how strongly particles spread evenly",
+        .slot = at<&Material::redistribution>,
+        .range = unit_interval,
+        .applies = fluid},
+       {.name = "surface_tension",
+        .meaning =
+            "model \"fluid\": pull on particles at the surface, towards the fluid; 0.02 rounds drops off",
+        .slot = at<&Material::surface_tension>,
+        .range = {.low = 0, .high = 1, .why = "a stronger pull moves particles through each other"},
+        .applies = fluid}},
       std::make_shared<Material>()};
   return table;
 }

@@ -19,6 +19,7 @@ struct TypeNames {
   const char* operator()(std::optional<bool>*) const { return "true or false"; }
   const char* operator()(int*) const { return "whole number"; }
   const char* operator()(unsigned*) const { return "whole number"; }
+  const char* operator()(std::optional<unsigned>*) const { return "whole number"; }
   const char* operator()(double*) const { return "number"; }
   const char* operator()(std::optional<double>*) const { return "number"; }
   const char* operator()(std::string*) const { return choices ? "word" : "string"; }
@@ -26,6 +27,7 @@ struct TypeNames {
   const char* operator()(std::optional<Vector3>*) const { return "[x, y, z]"; }
   const char* operator()(Matrix3*) const { return "three rows of [x, y, z]"; }
   const char* operator()(std::array<unsigned, 2>*) const { return "[a, b]"; }
+  const char* operator()(std::array<bool, 3>*) const { return "three of true or false"; }
   const char* operator()(std::optional<std::array<double, 2>>*) const { return "[a, b]"; }
   const char* operator()(std::vector<std::string>*) const { return "list of words"; }
   const char* operator()(std::map<std::string, double>*) const { return "numbers by name"; }
@@ -81,6 +83,7 @@ struct TypeSchema {
   ordered_json operator()(std::optional<bool>*) const { return {{"type", "boolean"}}; }
   ordered_json operator()(int*) const { return number_schema(key.range, true); }
   ordered_json operator()(unsigned*) const { return number_schema(key.range, true); }
+  ordered_json operator()(std::optional<unsigned>*) const { return number_schema(key.range, true); }
   ordered_json operator()(double*) const { return number_schema(key.range, false); }
   ordered_json operator()(std::optional<double>*) const { return number_schema(key.range, false); }
   ordered_json operator()(std::string*) const {
@@ -96,6 +99,7 @@ struct TypeSchema {
   ordered_json operator()(std::array<unsigned, 2>*) const {
     return list_schema(number_schema(key.range, true), 2);
   }
+  ordered_json operator()(std::array<bool, 3>*) const { return list_schema({{"type", "boolean"}}, 3); }
   ordered_json operator()(std::optional<std::array<double, 2>>*) const {
     return list_schema(number_schema(key.range, false), 2);
   }

@@ -47,6 +47,7 @@ GuardedRun::GuardedRun(Simulation& simulation, const Scene& scene, const Model& 
   double load = 0;
   for (const Load& one : model.loads) load = std::max(load, one.force.norm() / model.mass[one.particle]);
   limit_ = generosity * (fastest + driven + size * std::min(std::sqrt(pace), 1 / simulation.time_step()));
+  if (scene.flows()) limit_ += generosity * model.spacing / simulation.time_step(); // particles that part
   limit_growth_ = generosity * (scene.simulation.gravity.norm() + load);
   limit_ += limit_growth_ * simulation.time_step();
   simulation_.keep();
@@ -60,13 +61,17 @@ std::uint64_t GuardedRun::end_of_stretch(std::uint64_t last) const {
 }
 
 bool GuardedRun::good(const StepStatistics& row) const {
-  return row.not_finite == 0 && row.largest_speed <= speed_limit(row.time);
+  return row.not_finite == 0 && row.neighbours_dropped == 0 && row.largest_speed <= speed_limit(row.time);
 }
 
 std::string GuardedRun::cause(const StepStatistics& row) const {
   if (row.not_finite > 0)
     return fmt::format("{} particle{} no longer finite", row.not_finite,
                        row.not_finite == 1 ? " is" : "s are");
+  if (row.neighbours_dropped > 0)
+    return fmt::format("{} lists of neighbours lack room for {}: particles crowd; [fluid] neighbours gives "
+                       "lists more room",
+                       row.lists_full, row.neighbours_dropped);
   return fmt::format("a speed of {:.3g} m/s, where nothing in the scene accounts for {:.3g} m/s",
                      row.largest_speed, speed_limit(row.time));
 }

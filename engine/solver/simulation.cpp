@@ -5,6 +5,7 @@
 #include "engine/solver/contact.h"
 #include "engine/solver/elasticity.h"
 #include "engine/solver/failure.h"
+#include "engine/solver/fluid.h"
 #include "engine/solver/frame.h"
 #include "engine/solver/global_step.h"
 #include "engine/solver/motion.h"
@@ -58,7 +59,8 @@ Simulation::Simulation(Device& device, const Scene& scene, const Model& model, c
   if (model.count() == 0) throw Error(ExitCode::usage, "the scene has no particles: give it a [[body]]");
   const SlicedBonds bonds = slice_bonds(model);
   plan_ = make_plan(scene, model, bonds, request);
-  elasticity_ = std::make_unique<Elasticity>(device, scene, model, *state_, plan_.share_row);
+  if (!plan_.fluid)
+    elasticity_ = std::make_unique<Elasticity>(device, scene, model, *state_, plan_.share_row);
   chunks_ = make_chunks(model);
   time_step_ = whole_step(scene);
   for (const BodyModel& body : model.bodies)
@@ -68,13 +70,16 @@ Simulation::Simulation(Device& device, const Scene& scene, const Model& model, c
   scene_origin_ = (scene_origin_ / grain).array().round() * grain;
   allocate();
   upload(bonds);
-  if (plan_.boundaries || plan_.pairs)
+  if (!plan_.fluid && (plan_.boundaries || plan_.pairs))
     contacts_ = std::make_unique<Contacts>(device_, scene, model, scene_origin_, contact_use(plan_.method));
   if (plan_.failure)
     failure_ = std::make_unique<Failure>(device_, scene, model, plan_, *state_, *elasticity_);
   if (plan_.plastic)
     plastic_ = std::make_unique<PlasticFlow>(device_, scene, model, plan_, *state_, elasticity_->unit());
-  global_step_ = make_global_step({device_, scene_, model_, plan_, *state_, *elasticity_, contacts_.get()});
+  if (plan_.fluid)
+    fluid_ = std::make_unique<Fluid>(device_, scene, model, plan_, *state_, scene_origin_);
+  else
+    global_step_ = make_global_step({device_, scene_, model_, plan_, *state_, *elasticity_, contacts_.get()});
   choose_step(time_step_);
   if (plan_.frames) frame_ = std::make_unique<FrameOutput>(*this);
   prepare_kernels(device_, plan_);
@@ -102,14 +107,20 @@ void Simulation::upload(const SlicedBonds& bonds) {
     anchors.push_back(anchor_of(model_, body));
   }
   device_.upload(s.origin, origins);
-  device_.upload(s.anchor, anchors);
-  device_.upload(s.owner, model_.body);
+  if (s.anchor) device_.upload(s.anchor, anchors);
+  if (s.owner) device_.upload(s.owner, model_.body);
   for (std::size_t i = 0; i < n; ++i)
     rows[i] = pack(model_.position[i] - model_.bodies[model_.body[i]].origin, model_.mass[i]);
   device_.upload(s.position, rows);
   for (std::size_t i = 0; i < n; ++i)
     rows[i] = pack(model_.velocity[i], 1); // as if falling: nothing held it yet
   device_.upload(s.velocity, rows);
+  if (s.chunk) device_.write(s.chunk, 0, std::as_bytes(std::span(chunks_.chunk)));
+  if (plan_.fluid) {                                                        // fluids upload what is theirs
+    for (std::size_t i = 0; i < n; ++i) rows[i] = pack(model_.velocity[i]); // no multipliers to start with
+    device_.upload(s.velocity, rows);
+    return;
+  }
   const std::vector<double> stiffness = diagonal_stiffness(model_);
   for (std::size_t i = 0; i < n; ++i) rows[i] = {0, 0, 0, stiffness[i]};
   device_.upload(s.linear_start, rows);
@@ -136,7 +147,6 @@ void Simulation::upload(const SlicedBonds& bonds) {
   device_.upload(s.bond, packed);
   device_.upload(s.weight, weights);
   elasticity_->upload();
-  if (s.chunk) device_.write(s.chunk, 0, std::as_bytes(std::span(chunks_.chunk)));
   if (plan_.momentum) device_.write(s.component, 0, std::as_bytes(std::span(chunks_.component)));
 }
 
@@ -245,6 +255,8 @@ Snapshot Simulation::snapshot() {
     state.flow = device_.download_real4(s.flow);
     state.diagonal = device_.download_real4(s.linear_start);
   }
+  if (plan_.fluid)
+    for (const Real4d& y : device_.download_real4(s.position)) state.mass.push_back(y.w);
   return state;
 }
 
@@ -258,7 +270,8 @@ void Simulation::restore(const Snapshot& state) {
   const std::vector<Real4d> o = device_.download_real4(s.origin);
   std::vector<Real4d> rows(n);
   for (std::size_t i = 0; i < n; ++i)
-    rows[i] = pack(state.position[i] - scene_origin_ - unpack(o[model_.body[i]]), model_.mass[i]);
+    rows[i] = pack(state.position[i] - scene_origin_ - unpack(o[model_.body[i]]),
+                   state.mass.empty() ? model_.mass[i] : state.mass[i]);
   device_.upload(s.position, rows);
   for (std::size_t i = 0; i < n; ++i)
     rows[i] = pack(state.velocity[i], state.felt_gravity.empty() ? 1 : state.felt_gravity[i]);

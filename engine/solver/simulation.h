@@ -17,6 +17,7 @@ namespace pliant {
 class Contacts;
 class Elasticity;
 class Failure;
+class Fluid;
 class GlobalStep;
 class PlasticFlow;
 class FrameOutput;
@@ -51,6 +52,12 @@ struct StepStatistics {
   // Of a line search on a potential.
   double energy_error = 0;   ///< estimated, of Eq. 25 (Xu et al. 2018); 1 where nothing asked for it
   unsigned energy_rises = 0; ///< iterates taken though the potential rose by more than the precision can tell
+  // Of fluids.
+  double density_error = 0;                           ///< mean |C| of particles inside the fluid
+  double largest_density_error = 0;                   ///< largest C
+  double density_slope = 0;                           ///< sum of |grad rho|^2, (kg/m^(d+1))^2
+  std::size_t removed = 0;                            ///< particles that left the domain so far
+  std::size_t neighbours_dropped = 0, lists_full = 0; ///< in this step: neighbours without room in a list
 };
 
 /// Everything that a later step depends on, in double and world coordinates, in the model's order.
@@ -62,6 +69,7 @@ struct Snapshot {
   std::vector<Real4<double>> rotation;                  ///< corotated law; else empty
   std::vector<double> rest;                             ///< plasticity, as on the device; else empty
   std::vector<Real4<double>> flow, diagonal;            ///< with it
+  std::vector<double> mass;                             ///< fluids: kg, 0 of what was removed; else empty
 };
 
 class Simulation {
@@ -126,6 +134,8 @@ public:
   /// was.
   std::vector<Vector3> elastic_forces(const std::vector<Vector3>& positions);
   double elastic_energy(const std::vector<Vector3>& positions);
+  /// Of fluids; null without.
+  const Fluid* fluid() const { return fluid_.get(); }
   /// Contacts of the last step that found no room in their lists: they did not act. Waits for the device.
   std::uint32_t contacts_dropped();
   /// 1 less the share of its bonds' weights that is left to each particle; zero without failure.
@@ -150,6 +160,7 @@ private:
   bool solve_ended();
   void restore_momentum();
   void advance();
+  void advance_fluid();
   void rebase();
   void write_statistics();
   StepStatistics row(std::span<const std::byte> bytes, std::uint64_t step) const;
@@ -164,6 +175,7 @@ private:
   std::unique_ptr<Elasticity> elasticity_;
   std::unique_ptr<Failure> failure_;
   std::unique_ptr<PlasticFlow> plastic_;
+  std::unique_ptr<Fluid> fluid_; ///< then there is no elasticity, nor a global step
   std::unique_ptr<Contacts> contacts_;
   std::unique_ptr<GlobalStep> global_step_;
   std::unique_ptr<FrameOutput> frame_;
@@ -180,7 +192,7 @@ private:
   bool kept_first_of_bdf2_ = true;
   struct Pending {
     std::uint64_t step = 0;
-    std::unique_ptr<Readback> readback, fracture, plastic;
+    std::unique_ptr<Readback> readback, fracture, plastic, fluid;
   };
   std::deque<Pending> pending_;
   std::deque<std::unique_ptr<Readback>> flags_;

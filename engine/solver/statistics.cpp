@@ -2,6 +2,7 @@
 #include "engine/core/error.h"
 #include "engine/solver/elasticity.h"
 #include "engine/solver/failure.h"
+#include "engine/solver/fluid.h"
 #include "engine/solver/global_step.h"
 #include "engine/solver/plasticity.h"
 #include "engine/solver/simulation.h"
@@ -23,12 +24,12 @@ void Simulation::write_statistics() {
   device_.enter(plan_.statistics ? "statistics" : "divergence");
   const auto chunks = static_cast<std::uint32_t>(chunks_.chunk.size());
   device_.run(kernels::statistics_chunk::Args{.threads = chunks * kernels::statistics_chunk::group_size,
-                                              .energies = plan_.statistics,
+                                              .energies = plan_.statistics && plan_.energy,
                                               .chunk = s.chunk,
                                               .position = s.position,
                                               .velocity = s.velocity,
                                               .energy = s.energy,
-                                              .displacement = s.best_iterate,
+                                              .displacement = fluid_ ? s.velocity : s.best_iterate,
                                               .chunk_sum = s.chunk_sum});
   const auto row = static_cast<std::uint32_t>(step_ % statistics_rows);
   device_.run(kernels::statistics_total::Args{.threads = kernels::statistics_total::group_size,
@@ -38,9 +39,11 @@ void Simulation::write_statistics() {
                                               .solver = s.solver,
                                               .statistics = s.statistics});
   const std::size_t bytes = 16 * element_bytes(Type::real, device_.info().precision);
-  pending_.push_back({step_ + 1, device_.request(s.statistics, row * bytes, bytes), nullptr, nullptr});
+  pending_.push_back(
+      {step_ + 1, device_.request(s.statistics, row * bytes, bytes), nullptr, nullptr, nullptr});
   if (failure_) pending_.back().fracture = failure_->sums(row);
   if (plastic_) pending_.back().plastic = plastic_->sums(row);
+  if (fluid_) pending_.back().fluid = fluid_->sums(row);
 }
 
 StepStatistics Simulation::row(std::span<const std::byte> bytes, std::uint64_t step) const {
@@ -74,6 +77,11 @@ StepStatistics Simulation::row(std::span<const std::byte> bytes, std::uint64_t s
     s.energy_rises = static_cast<unsigned>(value[14]);
     s.energy_error = value[15];
   }
+  if (fluid_) { // its rows hold velocities where those of others hold displacements
+    s.largest_displacement *= solve_step_;
+    s.iterations = scene_.fluid.density_iterations;
+    s.reason = StopReason::cap;
+  }
   return s;
 }
 
@@ -103,6 +111,10 @@ StepStatistics joined(const StepStatistics& earlier, const StepStatistics& later
   both.largest_displacement += earlier.largest_displacement;
   both.not_finite = std::max(earlier.not_finite, later.not_finite);
   both.yielding = std::max(earlier.yielding, later.yielding);
+  both.density_error = std::max(earlier.density_error, later.density_error);
+  both.largest_density_error = std::max(earlier.largest_density_error, later.largest_density_error);
+  both.neighbours_dropped = std::max(earlier.neighbours_dropped, later.neighbours_dropped);
+  both.lists_full = std::max(earlier.lists_full, later.lists_full);
   return both;
 }
 
@@ -132,6 +144,17 @@ std::vector<StepStatistics> Simulation::take_statistics(bool wait) {
       next.plastic_strain = real_at(sums, 2, wide);
       next.plastic_volume = real_at(sums, 3, wide);
     }
+    if (pending_.front().fluid) {
+      const bool wide = device_.info().precision == Precision::double_precision;
+      const std::span<const std::byte> sums = pending_.front().fluid->wait();
+      const double inside = real_at(sums, 0, wide);
+      next.density_error = inside > 0 ? real_at(sums, 1, wide) / inside : 0;
+      next.largest_density_error = std::max(real_at(sums, 2, wide), 0.0);
+      next.density_slope = real_at(sums, 3, wide);
+      next.removed = static_cast<std::size_t>(std::lround(real_at(sums, 4, wide)));
+      next.neighbours_dropped = static_cast<std::size_t>(std::lround(real_at(sums, 5, wide)));
+      next.lists_full = static_cast<std::size_t>(std::lround(real_at(sums, 6, wide)));
+    }
     pending_.pop_front();
     if (rows.empty() || rows.back().step != next.step)
       rows.push_back(next);
@@ -142,6 +165,7 @@ std::vector<StepStatistics> Simulation::take_statistics(bool wait) {
 }
 
 void Simulation::load_displacement(const std::vector<Vector3>& positions) {
+  if (fluid_) throw Error(ExitCode::usage, "a scene of fluids has no elastic forces");
   SimulationState& s = *state_;
   const std::vector<Real4<double>> y = device_.download_real4(s.position),
                                    o = device_.download_real4(s.origin);

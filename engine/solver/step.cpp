@@ -1,9 +1,11 @@
 // One time step, as He, Wang and Wu (2017) write it in section 4: predict, then alternate a local step, which
 // finds what each particle's neighbourhood would like to be, with a global step, which moves the particles
 // there.
+#include "engine/core/error.h"
 #include "engine/solver/contact.h"
 #include "engine/solver/elasticity.h"
 #include "engine/solver/failure.h"
+#include "engine/solver/fluid.h"
 #include "engine/solver/global_step.h"
 #include "engine/solver/plasticity.h"
 #include "engine/solver/simulation.h"
@@ -34,13 +36,28 @@ bool searches(unsigned iteration) {
 } // namespace
 
 void Simulation::step() {
+  if (fluid_) {
+    advance_fluid();
+    return;
+  }
   begin_solving();
   while (!iterate()) {
   }
   end_solving();
 }
 
+void Simulation::advance_fluid() {
+  begin_step();
+  const double start = (static_cast<double>(step_) + double(part_) / parts_) * time_step_;
+  fluid_->advance(start, solve_step_);
+  write_statistics();
+  ++step_;
+}
+
 void Simulation::begin_solving() {
+  if (fluid_)
+    throw Error(ExitCode::usage, "a scene of fluids has no elastic solve that could be watched or compared: "
+                                 "pliant run, plan and check take it");
   begin_step();  // obstacles and held particles at the end of the step
   begin_solve(); // y* of Eq. 12 and the first guess
   flags_.clear();

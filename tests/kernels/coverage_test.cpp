@@ -10,8 +10,15 @@ namespace {
 // Kernels that are steps of one search or one force are tested as a chain, in a file of the chain's name.
 std::string chain_of(const std::string& kernel) {
   if (kernel == "boundary_contact") return "boundary";
+  for (const char* part :
+       {"cell", "sort", "gather", "warm", "lambda", "shift", "project", "speed", "finish", "sum"})
+    if (kernel == std::string("fluid_") + part || kernel == "near_find") return "fluid";
   if (kernel == "residual" || kernel.rfind("line_", 0) == 0) return "line_search";
   if (kernel.rfind("conjugate_", 0) == 0) return "conjugate";
+  if (kernel.rfind("fluid_viscosity_", 0) == 0) return "fluid_viscosity";
+  if (kernel.rfind("fluid_ghost_", 0) == 0) return "fluid_ghost";
+  for (const char* part : {"fluid_gradient", "fluid_newton", "fluid_redistribute"})
+    if (kernel.rfind(part, 0) == 0) return "fluid_redistribute";
   if (kernel.rfind("history_", 0) == 0) return "history";
   if (kernel.rfind("factor_", 0) == 0) return "factor";
   for (const char* part : {"coarse_", "_tangent", "_product", "precondition"})

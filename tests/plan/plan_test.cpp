@@ -286,12 +286,49 @@ TEST_P(PlanTruth, EverythingTogether) {
   for (const Switch& one : switches()) one.on(made);
   made.request.fields = {"strain", "energy"};
   const Truth truth = expect_truth(GetParam(), made, "everything");
-  EXPECT_EQ(
-      truth.plan.left_out,
-      (std::vector<std::string>{"line search", "diagonal preconditioner", "preconditioner", "turning bonds",
-                                "direct", "newton", "quasi-newton", "l-bfgs", "corotated elasticity",
-                                "ordinary elasticity", "basis elasticity", "neo-hookean elasticity",
-                                "inversion", "sheets", "plane", "failure", "plasticity"}));
+  EXPECT_EQ(truth.plan.left_out,
+            (std::vector<std::string>{"line search", "diagonal preconditioner", "preconditioner",
+                                      "turning bonds", "direct", "newton", "quasi-newton", "l-bfgs",
+                                      "corotated elasticity", "ordinary elasticity", "basis elasticity",
+                                      "neo-hookean elasticity", "inversion", "neighbours", "density",
+                                      "sheets", "plane", "failure", "plasticity"}));
+}
+
+// Fluids have no bonds, no solver, no energies; elastic bodies have nothing of fluids.
+TEST_P(PlanTruth, FluidsAndElasticBodiesShareNothing) {
+  for (const bool watched : {false, true})
+    for (const bool bounded : {false, true}) {
+      PlanScene made = elastic_only();
+      Material water;
+      water.name = "water";
+      water.model = "fluid";
+      made.scene.materials = {water};
+      made.scene.solver.restore_momentum = true; // an elastic body's
+      made.model = assemble_points(lattice_box(4, 4, 5, 0.02), 0.02, 1.87, water, 8e-6);
+      made.request.statistics = made.request.divergence = made.request.frames = watched;
+      if (bounded) {
+        made.scene.boundaries = {floor_below()};
+        made.scene.domain = {true, Vector3::Constant(-1), Vector3::Constant(1), {true, false, false}};
+      }
+      const Truth truth = expect_truth(GetParam(), made, "fluid");
+      std::vector<std::string> used{"motion", "neighbours", "density"};
+      if (bounded) used.emplace_back("boundaries");
+      if (watched) used.insert(used.end(), {"statistics", "divergence", "frames"});
+      EXPECT_EQ(truth.plan.used, used);
+      for (const char* name : {"slice_begin", "bond", "weight", "shape", "force", "energy", "linear_start",
+                               "best_iterate", "inertia_target", "moment"})
+        EXPECT_FALSE(truth.plan.find(name)) << name;
+      for (const std::string& name : kernels_of(truth.plan)) {
+        const bool own = name.rfind("fluid_", 0) == 0 || name.rfind("near_", 0) == 0 ||
+                         name.rfind("grid_", 0) == 0 || name.rfind("statistics_", 0) == 0 ||
+                         name == "frame_particles";
+        EXPECT_TRUE(own) << name;
+      }
+    }
+  for (const BufferSpec& buffer : expect_truth(GetParam(), elastic_only(), "elastic").plan.buffers) {
+    EXPECT_NE(buffer.name.rfind("fluid_", 0), 0u) << buffer.name;
+    EXPECT_NE(buffer.name.rfind("near_", 0), 0u) << buffer.name;
+  }
 }
 
 TEST(Plan, BytesOfALargeBall) {

@@ -56,7 +56,11 @@ std::string good_table(const Table& table, const Key* also) {
   for (const Key& key : table.keys)
     if (key.required || &key == also) add(key);
   // Keys that need another.
-  if (&table == &schema::material_table() && also && also->applies) {
+  const auto named = [&](auto... names) { return also && ((also->name == names) || ...); };
+  const bool plain = named("law", "young", "poisson", "fracture_energy", "critical_stretch");
+  const bool fluid = named("viscosity", "redistribution", "surface_tension");
+  if (&table == &schema::material_table() && fluid) text += ", model = \"fluid\"";
+  if (&table == &schema::material_table() && also && also->applies && !plain && !fluid) {
     const bool basis = also->name == "basis",
                stretch = also->name == "form" || also->name == "calibration" || also->name == "anisotropy";
     text += std::string(", law = \"") +
@@ -113,7 +117,10 @@ std::string scene_around(const Table& table, const std::string& inner) {
     extra = "boundary = [" + inner + "]\n";
   else if (name == "camera")
     extra = "render = {camera = " + inner + "}\n";
-  else
+  else if (name == "fluid" || name == "domain") {
+    materials = "{rubber = {model = \"fluid\"}}";
+    extra = std::string(name) + " = " + inner + "\n";
+  } else
     extra = std::string(name) + " = " + inner + "\n";                 // solver, contact, output, render
   if (name == "body" && inner.find("thickness") != std::string::npos) // which a box has in a plane scene only
     simulation = "{spacing = 0.1, dimension = 2}";
@@ -122,6 +129,8 @@ std::string scene_around(const Table& table, const std::string& inner) {
 
 std::string scene_with(const Table& table, const Key& key) {
   if (&table == &schema::root()) {
+    if (key.name == "fluid" || key.name == "domain")
+      return scene_around(*key.nested.table, good_table(*key.nested.table));
     std::string text;
     for (const Key& other : table.keys)
       if (other.required || &other == &key) text += entry(other, table) + "\n";

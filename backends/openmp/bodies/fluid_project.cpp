@@ -1,0 +1,62 @@
+// Out of obstacles; see kernels/fluid_project.decl.
+#include "kernels/fluid_project.h"
+#include "backends/openmp/body.h"
+#include "backends/openmp/obstacle.h"
+
+namespace pliant::openmp::PLIANT_ISA {
+
+namespace {
+
+/// What an obstacle does to a particle at y that began the step at `start`.
+template <class real>
+PLIANT_INLINE Vec3<real> pushed(const kernels::fluid_project::View<real>& k, uint o, Vec3<real> y,
+                                Vec3<real> start) {
+  const auto* rows = k.obstacle + OBSTACLE_ROWS * o;
+  const auto traits = rows[OBSTACLE_KIND], place = rows[OBSTACLE_CENTRE], size = rows[OBSTACLE_SIZE];
+  const Vec3<real> from = y - xyz(place);
+  if (!(dot(from, from) <= place.w * place.w)) return y;
+  const auto *axes = rows + OBSTACLE_AXES, *shift = rows + OBSTACLE_SHIFT;
+  Place<real> p;
+  p.a = p.now = from.x * xyz(axes[0]) + from.y * xyz(axes[1]) + from.z * xyz(axes[2]); // R^T from
+  p.u = {0, 0, 0};
+  const bool container = traits.w > 0;
+  const int kind = static_cast<int>(traits.x);
+  if (kind == OBSTACLE_MESH && !k.meshes) return y;
+  const Reach<real> reach = kind == OBSTACLE_MESH
+                                ? mesh_distance(p, Vec3<real>{axes[0].w, axes[1].w, axes[2].w}, size.w,
+                                                k.grid[o], k.grid_distance, container)
+                                : shape_distance(kind, p, xyz(size));
+  const real sense = container ? real(-1) : real(1), depth = k.radius - sense * reach.d;
+  if (!(depth > 0)) return y;
+  const Vec3<real> n = reach.normal;
+  const Vec3<real> gradient =
+      sense * Vec3<real>{dot(xyz(axes[0]), n), dot(xyz(axes[1]), n), dot(xyz(axes[2]), n)};
+  const real steep2 = dot(gradient, gradient);
+  if (!(steep2 > 0)) return y;
+  const Vec3<real> push = (depth / steep2) * gradient;
+  const Vec3<real> carried{dot(xyz(shift[0]), from) + shift[0].w, dot(xyz(shift[1]), from) + shift[1].w,
+                           dot(xyz(shift[2]), from) + shift[2].w};
+  Vec3<real> slide = (y - start) - carried;
+  slide = slide - (dot(gradient, slide) / steep2) * gradient;
+  const real slid = norm(slide), held = traits.z != 0 ? slid : smaller(slid, traits.y * norm(push));
+  const Vec3<real> out = y + push;
+  return held > 0 ? out - (held / slid) * slide : out;
+}
+
+} // namespace
+
+template <class real> void fluid_project(const kernels::fluid_project::View<real>& k) {
+#pragma omp parallel for schedule(static)
+  for (uint i = 0; i < k.threads; ++i) {
+    const auto end = k.fluid_place[i];
+    if (!(end.w > 0)) continue;
+    const Vec3<real> start = xyz(k.fluid_start[i]);
+    Vec3<real> y = xyz(end);
+    for (uint o = 0; o < k.obstacles; ++o) y = pushed(k, o, y, start);
+    k.fluid_place[i] = {y.x, y.y, y.z, end.w};
+  }
+}
+
+PLIANT_BODY(fluid_project)
+
+} // namespace pliant::openmp::PLIANT_ISA

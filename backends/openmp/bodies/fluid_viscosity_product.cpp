@@ -1,0 +1,38 @@
+// The matrix of viscosity; see kernels/fluid_viscosity_product.decl.
+#include "kernels/fluid_viscosity_product.h"
+#include "backends/openmp/body.h"
+#include "backends/openmp/simd.h"
+#include "shaders/common/fluid_viscosity.glsl"
+
+namespace pliant::openmp::PLIANT_ISA {
+
+template <class real> void fluid_viscosity_product(const kernels::fluid_viscosity_product::View<real>& k) {
+  if (k.fluid_viscosity[VISCOSITY_STOP] > 0) return;
+  constexpr uint group = kernels::fluid_viscosity_product::group_size;
+#pragma omp parallel for schedule(static)
+  for (uint block = 0; block < (k.threads + group - 1) / group; ++block) {
+    real squares = 0, products = 0;
+    for (uint first = group * block; first < smaller(group * (block + 1), k.threads); first += lanes<real>) {
+      const Part<real> part = make_part<real>(first, k.threads - first);
+      const Wide4<real> u = gather(k.fluid_residual, part.index);
+      Wide3<real> w{u.x, u.y, u.z};
+      const uint slice = first / 16;
+      const std::size_t begin = std::size_t{16} * k.rows * slice + first % 16;
+      for (uint r = 0; r < k.near_count[slice]; ++r) {
+        const std::size_t at = begin + std::size_t{16} * r;
+        const Wide4<real> other = gather(k.fluid_residual, k.near + at);
+        const Wide<real> rate = load_wide(k.near_rate + at);
+        w.x += rate * (u.x - other.x), w.y += rate * (u.y - other.y), w.z += rate * (u.z - other.z);
+      }
+      store(k.fluid_image + first, part.count, Wide4<real>{w.x, w.y, w.z, {}});
+      const Wide<real> square = u.w * (u.x * u.x + u.y * u.y + u.z * u.z);
+      const Wide<real> product = u.w * (u.x * w.x + u.y * w.y + u.z * w.z);
+      for (uint lane = 0; lane < part.count; ++lane) squares += square[lane], products += product[lane];
+    }
+    k.fluid_partial[block] = {squares, products, 0, 0};
+  }
+}
+
+PLIANT_BODY(fluid_viscosity_product)
+
+} // namespace pliant::openmp::PLIANT_ISA

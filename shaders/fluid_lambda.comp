@@ -1,0 +1,43 @@
+// Multipliers of the density constraints; see kernels/fluid_lambda.decl.
+#include "common/fluid.glsl"
+#include "common/near.glsl"
+#include "common/smoothing.glsl"
+
+void main() {
+  uint i = thread_index();
+  if (i >= threads) return;
+  vec4 place = fluid_place[i];
+  vec3 period = vec3(period_x, period_y, period_z);
+  uint slice = i / 16u, first = 16u * rows * slice + i % 16u, count = near_count[slice];
+  float sum = abs(place.w) * spline_value(0.0), squares = 0.0;
+  vec3 gradient = vec3(0.0);
+  for (uint r = 0u; r < count; ++r) {
+    uint j = near[first + 16u * r];
+    if (j == i) break;
+    vec4 other = fluid_place[j];
+    vec3 d = shortest(place.xyz - other.xyz, period);
+    float q = min(length(d) / support, 1.0), mass = abs(other.w);
+    vec3 slope = spline_slope(q) * d;
+    sum += mass * spline_value(q);
+    gradient += mass * slope;
+    squares += max(other.w, 0.0) * dot(slope, slope);
+  }
+  uint row = FLUID_ROWS * uint(fluid_velocity[i].w);
+  vec4 limits = fluid_material[row + FLUID_LIMITS];
+  float rest = fluid_material[row + FLUID_TRAITS].x, error = value_scale * sum / rest - 1.0;
+#if measured
+  vec3 steep = slope_scale * gradient;
+  float steep2 = dot(steep, steep);
+  bool real_one = place.w > 0.0;
+  fluid_measure[i] = real_one ? vec4(error, steep2, steep2 <= limits.z * limits.z ? 1.0 : 0.0, 1.0) : vec4(0.0);
+#else
+  float change = 0.0, total = fluid_total[i];
+  if (place.w > 0.0) {
+    float scale = slope_scale / rest;
+    float stiffness = scale * scale * (dot(gradient, gradient) / place.w + squares) + limits.x;
+    change = min(-relaxation * min(error, limits.y) / (stiffness * rest), -total);
+  }
+  fluid_total[i] = total + change;
+  fluid_lambda[i] = change;
+#endif
+}

@@ -1,0 +1,60 @@
+// Out of obstacles; see kernels/fluid_project.decl.
+#include "common/contact.glsl"
+#include "common/obstacle.glsl"
+#if meshes
+#include "common/obstacle_grid.glsl"
+#endif
+
+void main() {
+  uint i = thread_index();
+  if (i >= threads) return;
+  vec4 end = fluid_place[i];
+  if (!(end.w > 0.0)) return;
+  vec3 y = end.xyz, start = fluid_start[i].xyz;
+  for (uint o = 0u; o < obstacles; ++o) {
+    uint row = OBSTACLE_ROWS * o;
+    vec4 traits = obstacle[row + OBSTACLE_KIND], place = obstacle[row + OBSTACLE_CENTRE];
+    vec3 from = y - place.xyz;
+    if (!(dot(from, from) <= place.w * place.w)) continue;
+    vec4 size = obstacle[row + OBSTACLE_SIZE];
+    vec4 r0 = obstacle[row + OBSTACLE_AXES], r1 = obstacle[row + OBSTACLE_AXES + 1],
+         r2 = obstacle[row + OBSTACLE_AXES + 2];
+    vec3 a = from.x * r0.xyz + from.y * r1.xyz + from.z * r2.xyz; // R^T from
+    int kind = int(traits.x);
+    float d;
+    vec3 normal, none = vec3(0.0);
+    if (kind == OBSTACLE_PLANE) {
+      d = a.y;
+      normal = vec3(0.0, 1.0, 0.0);
+    } else if (kind == OBSTACLE_SPHERE) {
+      d = sphere_distance(a, none, size.x, normal);
+    } else if (kind == OBSTACLE_BOX) {
+      d = box_distance(a, none, size.xyz, normal);
+    } else if (kind == OBSTACLE_CYLINDER) {
+      d = cylinder_distance(a, none, size.x, size.y, normal);
+    } else if (kind == OBSTACLE_TORUS) {
+      d = torus_distance(a, none, size.x, size.y, normal);
+    } else {
+#if meshes
+      d = mesh_distance(a, none, vec3(r0.w, r1.w, r2.w), size.w, grid[o], traits.w > 0.0, normal);
+#else
+      continue;
+#endif
+    }
+    float sense = traits.w > 0.0 ? -1.0 : 1.0;
+    float depth = radius - sense * d;
+    if (!(depth > 0.0)) continue;
+    vec3 gradient = sense * vec3(dot(r0.xyz, normal), dot(r1.xyz, normal), dot(r2.xyz, normal));
+    float steep2 = dot(gradient, gradient);
+    if (!(steep2 > 0.0)) continue;
+    vec4 s0 = obstacle[row + OBSTACLE_SHIFT], s1 = obstacle[row + OBSTACLE_SHIFT + 1],
+         s2 = obstacle[row + OBSTACLE_SHIFT + 2];
+    vec3 push = depth / steep2 * gradient;
+    vec3 slide = (y - start) - vec3(dot(s0.xyz, from) + s0.w, dot(s1.xyz, from) + s1.w, dot(s2.xyz, from) + s2.w);
+    slide -= dot(gradient, slide) / steep2 * gradient;
+    float slid = length(slide), held = traits.z != 0.0 ? slid : min(slid, traits.y * length(push));
+    y += push;
+    if (held > 0.0) y -= held / slid * slide;
+  }
+  fluid_place[i] = vec4(y, end.w);
+}

@@ -1,0 +1,92 @@
+// Scenes of fluids: their keys, and what is said of wrong ones.
+#include "engine/scene/scene_json.h"
+#include "engine/scene/scene_schema.h"
+#include "tests/scene/parse.h"
+
+#include <nlohmann/json.hpp>
+
+namespace pliant {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string water = "[simulation]\n"
+                          "spacing = 0.1\n"
+                          "[materials.water]\n"
+                          "model = \"fluid\"\n"
+                          "viscosity = 0.5\n"
+                          "redistribution = 0.25\n"
+                          "surface_tension = 0.02\n"
+                          "[[body]]\n"
+                          "name = \"pool\"\n"
+                          "material = \"water\"\n"
+                          "shape = { box = [1, 1, 1] }\n";
+
+TEST(FluidScene, KeysAreRead) {
+  const Scene scene =
+      parsed(water + "[fluid]\nhorizon = 2.6\ndensity_iterations = 7\nneighbours = 80\n"
+                     "[domain]\nlow = [-2, -1, -1]\nhigh = [2, 1, 1]\nperiodic = [true, false, true]\n");
+  ASSERT_TRUE(scene.flows());
+  EXPECT_EQ(scene.materials[0].viscosity, 0.5);
+  EXPECT_EQ(scene.materials[0].redistribution, 0.25);
+  EXPECT_EQ(scene.materials[0].surface_tension, 0.02);
+  EXPECT_EQ(scene.fluid.horizon, 2.6);
+  EXPECT_EQ(scene.fluid.density_iterations, 7u);
+  EXPECT_EQ(scene.fluid.neighbours, 80u);
+  EXPECT_TRUE(scene.domain.given);
+  EXPECT_EQ(scene.domain.low.x(), -2);
+  EXPECT_EQ(scene.domain.periodic, (std::array{true, false, true}));
+  const nlohmann::json json = scene_to_json(scene);
+  EXPECT_EQ(json["fluid"]["density_iterations"], 7);
+  EXPECT_EQ(json["domain"]["periodic"], nlohmann::json({true, false, true}));
+  EXPECT_EQ(json["materials"]["water"]["viscosity"], 0.5);
+  EXPECT_FALSE(json["materials"]["water"].contains("young"));
+  EXPECT_FALSE(scene_to_json(parsed(small_scene)).contains("fluid"));
+  EXPECT_FALSE(scene_to_json(parsed(small_scene)).contains("domain"));
+}
+
+TEST(FluidScene, WrongOnesAreRefused) {
+  const auto with = [](const std::string& more) { return complaint(water + more); };
+  const std::string material = "[materials.water]\nmodel = \"fluid\"\n";
+  const auto in_material = [&](const std::string& line) {
+    std::string text = water;
+    return complaint(text.replace(text.find("viscosity = 0.5"), 15, line));
+  };
+  EXPECT_EQ(complaint(water), "");
+  EXPECT_THAT(in_material("viscosity = -1"),
+              HasSubstr("s.toml:5:13: materials.water.viscosity = -1 is out of range"));
+  EXPECT_THAT(in_material("redistribution = 2"), HasSubstr("redistribution"));
+  EXPECT_THAT(in_material("young = 1e5"),
+              HasSubstr("s.toml:5:1: materials.water.young is one of elastic materials"));
+  EXPECT_THAT(in_material("plastic = { cohesion = 1 }"),
+              HasSubstr("materials.water.plastic is one of elastic"));
+  EXPECT_THAT(complaint(with_line(4, "viscosity = 1")),
+              HasSubstr("s.toml:4:1: materials.rubber.viscosity applies to model = \"fluid\" only"));
+  EXPECT_THAT(with("fixed = [{ region = { box = [1, 1, 1] } }]\n"),
+              HasSubstr("s.toml:12:1: body.0.fixed is for solids"));
+  EXPECT_THAT(with("start = \"flat\"\n"), HasSubstr("body.0.start is for solids"));
+  EXPECT_THAT(with("[materials.rubber]\n[[body]]\nmaterial = \"rubber\"\nshape = { sphere = 1 }\n"),
+              HasSubstr("s.toml:14:12: body.1 is elastic and another is a fluid"));
+  EXPECT_THAT(
+      with("region = [{ region = { box = [1, 1, 1] }, material = \"rubber\" }]\n[materials.rubber]\n"),
+      HasSubstr("body.0: 'water' is a fluid and 'rubber' is not"));
+  EXPECT_THAT(with("[domain]\nlow = [0, 0, 0]\nhigh = [1, 0, 1]\n"),
+              HasSubstr("s.toml:14:8: domain.high[1] = 0 must be above"));
+  EXPECT_THAT(with("[domain]\nlow = [0, 0, 0]\nhigh = [0.5, 1, 1]\nperiodic = [true, false, false]\n"),
+              HasSubstr("domain repeats along x after 0.5 m"));
+  EXPECT_THAT(with("[domain]\nlow = [0, 0, 0]\nhigh = [1, 1, 1]\nperiodic = [true, 2, false]\n"),
+              HasSubstr("domain.periodic[1] must be true or false"));
+  EXPECT_THAT(with("[domain]\nlow = [0, 0, 0]\n"), HasSubstr("domain lacks 'high'"));
+  EXPECT_THAT(complaint(small_scene + "[domain]\nlow = [0, 0, 0]\nhigh = [1, 1, 1]\n"),
+              HasSubstr("only fluids have one"));
+  EXPECT_THAT(complaint(small_scene + "[fluid]\nhorizon = 2.1\n"),
+              HasSubstr("no body of a material with model"));
+  EXPECT_THAT(with("[fluid]\ndensity_iterations = 0\n"), HasSubstr("density_iterations = 0 is out of range"));
+  EXPECT_THAT(with("[solver]\nintegrator = \"bdf2\"\n"), HasSubstr("fluids have none to choose"));
+  EXPECT_THAT(with("[output]\nfields = [\"strain\"]\n"),
+              HasSubstr("output.fields: fluids have no \"strain\""));
+  EXPECT_THAT(with("[render]\ncolor = \"energy\"\n"), HasSubstr("fluids have no such field"));
+}
+
+} // namespace
+} // namespace pliant

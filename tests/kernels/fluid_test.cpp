@@ -1,0 +1,449 @@
+// Fluids: cells, lists of neighbours, and the sweeps of the density constraint.
+#include "engine/model/smoothing.h"
+#include "kernels/fluid_finish.h"
+#include "kernels/fluid_lambda.h"
+#include "kernels/fluid_project.h"
+#include "kernels/fluid_shift.h"
+#include "kernels/fluid_sum.h"
+#include "kernels/fluid_warm.h"
+#include "shaders/common/contact.glsl"
+#include "shaders/common/fluid.glsl"
+#include "tests/support/fluids.h"
+#include "tests/support/kernel_particles.h"
+
+namespace pliant::test {
+namespace {
+
+class FluidKernels : public testing::TestWithParam<DeviceChoice> {};
+INSTANTIATE_TEST_SUITE_P(Devices, FluidKernels, testing::ValuesIn(device_choices()), ChoiceName());
+
+constexpr double spacing = 0.125;
+
+Points cloud(std::size_t count, const Vector3& low, const Vector3& high, unsigned seed) {
+  Random random(seed);
+  Points points;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector3 unit = (random.vector() + Vector3::Ones()) / 2;
+    points.push_back(low + rounded(Vector3(unit.cwiseProduct(high - low))));
+  }
+  return points;
+}
+
+/// All pairs nearer than the reach, but for those that rounding may put on either side of it.
+void expect_all_pairs(const DeviceChoice& choice, const Stage& stage, const char* what) {
+  SCOPED_TRACE(what);
+  const auto device = open_alone(choice);
+  Simulation simulation(*device, stage.scene, stage.model);
+  simulation.step();
+  EXPECT_EQ(simulation.take_statistics().back().neighbours_dropped, 0u);
+  const auto lists = neighbour_lists(simulation);
+  const double reach = simulation.fluid()->plan().model.reach;
+  std::size_t found = 0;
+  for (std::uint32_t i = 0; i < lists.size(); ++i) {
+    ASSERT_EQ(std::adjacent_find(lists[i].begin(), lists[i].end()), lists[i].end()) << "twice in a list";
+    for (std::uint32_t j = 0; j < lists.size(); ++j) {
+      const double r = image(stage.scene, stage.model.position[i] - stage.model.position[j]).norm();
+      if (i == j || std::abs(r / reach - 1) < 1e-5) continue;
+      const bool listed = std::binary_search(lists[i].begin(), lists[i].end(), j);
+      if (listed != (r < reach)) FAIL() << i << " and " << j << " at " << r / reach << " of the reach";
+      found += listed;
+    }
+  }
+  EXPECT_GT(found, lists.size());
+}
+
+TEST_P(FluidKernels, ListsAreThoseOfAllPairs) {
+  const auto made = [](const Points& points, unsigned room, unsigned dimension = 3) {
+    Stage stage = fluid_stage(points, spacing, 1e-3, dimension);
+    stage.scene.fluid.neighbours = room;
+    return stage;
+  };
+  expect_all_pairs(GetParam(), made(cloud(700, {-0.6, -0.5, 0}, {0.6, 0.5, 0.7}, 1), 128), "a cloud");
+  Stage even =
+      fluid_stage(lattice(8, 7, 6, spacing), spacing, 1e-3); // with the room that lists have by default
+  expect_all_pairs(GetParam(), even, "a lattice");
+  // Each list holds everybody, and more than a cell's surroundings have room for on the CPU.
+  expect_all_pairs(GetParam(), made(cloud(1100, {0, 0, 0}, {0.15, 0.12, 0.1}, 2), 1104), "a crowd");
+  Points far = cloud(250, {0, 0, 0}, {0.5, 0.5, 0.5}, 3); // cells repeat: these share some with the rest
+  for (const Vector3& p : cloud(250, {40, -70, 90}, {40.5, -69.5, 90.5}, 4)) far.push_back(p);
+  expect_all_pairs(GetParam(), made(far, 256), "two clouds far apart");
+  expect_all_pairs(GetParam(), made(cloud(500, {0, 0, 0}, {2, 2, 0}, 5), 64, 2), "a plane");
+  const Vector3 low(-0.5, 0, 0.25), high(0.5, 0.9, 1.125);
+  for (const std::array<bool, 3> periodic :
+       {std::array{true, true, true}, {true, false, true}, {false, true, false}}) {
+    Stage box = made(cloud(600, low, high, 6), 256);
+    repeat(box.scene, low, high, periodic);
+    expect_all_pairs(GetParam(), box, "a box that repeats");
+  }
+}
+
+// What a list has no room for is counted, and the rest of the list is whole.
+TEST_P(FluidKernels, FullListsAreCounted) {
+  Stage stage = fluid_stage(cloud(200, {0, 0, 0}, {0.1, 0.1, 0.1}, 7), spacing, 1e-3); // all near all
+  stage.scene.fluid.neighbours = 40;
+  const auto device = open_alone(GetParam());
+  Simulation simulation(*device, stage.scene, stage.model);
+  simulation.step();
+  const StepStatistics row = simulation.take_statistics().back();
+  EXPECT_EQ(row.lists_full, 200u);
+  EXPECT_EQ(row.neighbours_dropped, 200u * (199 - 40));
+}
+
+/// Places with random masses, their lists by all pairs, and what the sweeps read beside them.
+struct Sweep {
+  std::size_t count = 0, places = 0;
+  Smoothing smoothing{2.1 * spacing, 3};
+  Points at;
+  std::vector<double> mass; ///< negative: of a ghost
+  double rest = 0;
+  Vector3 period = Vector3::Zero();
+  std::vector<std::vector<std::size_t>> near;
+  Values in;
+
+  explicit Sweep(unsigned seed, bool repeats = false) {
+    Random random(seed);
+    at = lattice(6, 5, 5, spacing);
+    count = at.size();
+    places = (count + 15) / 16 * 16;
+    smoothing.support = rounded(smoothing.support);
+    rest = rounded(smoothing.lattice_density(spacing));
+    for (std::size_t i = 0; i < count; ++i) {
+      at[i] = rounded(Vector3(0.93 * at[i] + random.vector(0.2 * spacing)));
+      mass.push_back(rounded((i % 7 == 3 ? -1 : 1) * (1 + 0.5 * random())));
+    }
+    if (repeats) period = {0.75, 0, 0.625};
+    fill();
+  }
+  Vector3 between(std::size_t i, std::size_t j) const {
+    Vector3 d = at[i] - at[j];
+    for (int a = 0; a < 3; ++a)
+      if (period[a] > 0) d[a] -= period[a] * std::round(d[a] / period[a]);
+    return d;
+  }
+  double density_error(std::size_t i) const {
+    // The kernels get their factors rounded to a float.
+    const double factor = rounded(smoothing.spline()) / smoothing.spline();
+    double sum = std::abs(mass[i]) * factor * smoothing.spline_value(0);
+    for (std::size_t j = 0; j < count; ++j)
+      if (j != i) sum += std::abs(mass[j]) * factor * smoothing.spline_value(between(i, j).norm());
+    return sum / rest - 1;
+  }
+  /// grad_k C_i
+  Vector3 gradient(std::size_t k, std::size_t i) const {
+    const double factor = rounded(smoothing.spline_gradient()) / smoothing.spline_gradient();
+    const auto slope = [&](std::size_t j) -> Vector3 { // grad_i W_ij
+      const Vector3 d = between(i, j);
+      const double r = d.norm();
+      return r > 0 && r < smoothing.support ? Vector3(factor * smoothing.spline_derivative(r) / r * d)
+                                            : Vector3(Vector3::Zero());
+    };
+    if (k != i) return -std::abs(mass[k]) / rest * slope(k);
+    Vector3 sum = Vector3::Zero();
+    for (std::size_t j = 0; j < count; ++j)
+      if (j != i) sum += std::abs(mass[j]) / rest * slope(j);
+    return sum;
+  }
+
+private:
+  void fill() {
+    const std::uint32_t rows = 96;
+    std::vector<double> place, velocity, counts, lists(places * rows, 0);
+    near.resize(count);
+    for (std::size_t i = 0; i < places; ++i) {
+      const bool real_one = i < count;
+      const Vector3 p = real_one ? at[i] : Vector3(1e15, 1e15, 1e15);
+      place.insert(place.end(), {p.x(), p.y(), p.z(), real_one ? mass[i] : 0});
+      velocity.insert(velocity.end(), {not_a_number, not_a_number, not_a_number, 1});
+      for (std::size_t j = 0; real_one && j < count; ++j)
+        if (j != i && between(i, j).norm() < smoothing.support) near[i].push_back(j);
+    }
+    for (double& value : place) value = rounded(value);
+    for (std::size_t slice = 0; slice < places / 16; ++slice) {
+      std::size_t longest = 0;
+      for (std::size_t i = 16 * slice; i < 16 * slice + 16 && i < count; ++i)
+        longest = std::max(longest, near[i].size());
+      for (std::size_t r = 0; r < longest; ++r)
+        for (std::size_t lane = 0; lane < 16; ++lane) {
+          const std::size_t i = 16 * slice + lane;
+          lists[16 * (rows * slice + r) + lane] = double(i < count && r < near[i].size() ? near[i][r] : i);
+        }
+      counts.push_back(double(longest));
+    }
+    std::vector<double> material(4 * FLUIDS * FLUID_ROWS, not_a_number);
+    const auto row = [&](int at_row, std::array<double, 4> values) {
+      std::copy(values.begin(), values.end(), material.begin() + 4 * (FLUID_ROWS + at_row));
+    };
+    row(FLUID_TRAITS, {rest, 0, 0, 0});
+    row(FLUID_LIMITS, {0.25, 0.5, 1500, 0});
+    in = {{"rows", {double(rows)}},
+          {"support", {smoothing.support}},
+          {"slope_scale", {rounded(smoothing.spline_gradient())}},
+          {"period_x", {period.x()}},
+          {"period_y", {period.y()}},
+          {"period_z", {period.z()}},
+          {"fluid_place", place},
+          {"near_count", counts},
+          {"near", lists},
+          {"fluid_material", material},
+          {"fluid_velocity", velocity},
+          {"value_scale", {rounded(smoothing.spline())}},
+          {"relaxation", {0.5}}};
+  }
+};
+
+Values only(const Values& in, std::initializer_list<const char*> names) {
+  Values chosen;
+  for (const char* name : names) chosen[name] = in.at(name);
+  return chosen;
+}
+
+constexpr auto lambda_inputs = {
+    "rows",     "support",        "value_scale", "slope_scale",    "relaxation", "period_x", "period_y",
+    "period_z", "fluid_material", "fluid_place", "fluid_velocity", "near_count", "near"};
+
+// Some 40 neighbours, each a square root, a quotient and a cube: measured 4 roundings of the sums.
+constexpr double sweep_limit = 20;
+
+TEST_P(FluidKernels, MultipliersFollowTheConstraint) {
+  for (const bool repeats : {false, true}) {
+    const Sweep sweep(11, repeats);
+    Values in = only(sweep.in, lambda_inputs);
+    in["fluid_total"] = std::vector<double>(sweep.places, 0.0);
+    in["fluid_lambda"] = std::vector<double>(sweep.places, sentinel);
+    Expected total(in["fluid_total"]), change(in["fluid_lambda"]);
+    std::size_t pushed = 0, left = 0;
+    for (std::size_t i = 0; i < sweep.places; ++i) {
+      double wanted = 0, scale = 0;
+      const double before = in["fluid_total"][i] = i % 3 == 0 ? 0 : -std::pow(2.0, -10);
+      if (i < sweep.count && sweep.mass[i] > 0) {
+        double stiffness = 0.25;
+        for (std::size_t k = 0; k < sweep.count; ++k)
+          if (sweep.mass[k] > 0) stiffness += sweep.gradient(k, i).squaredNorm() / sweep.mass[k];
+        const double error = sweep.density_error(i);
+        const double free = -0.5 * std::min(error, 0.5) / (stiffness * sweep.rest);
+        wanted = std::min(free, -before);
+        scale = 0.5 * (1 + std::abs(error)) / (stiffness * sweep.rest);
+        ++(wanted < 0 ? pushed : left);
+      }
+      total.set(i, before + wanted, scale + std::abs(before));
+      change.set(i, wanted, scale);
+    }
+    EXPECT_GT(pushed, 20u);
+    EXPECT_GT(left, 20u);
+    expect_kernel<kernels::fluid_lambda::Args>(GetParam(), std::uint32_t(sweep.places), in,
+                                               {{"fluid_total", total}, {"fluid_lambda", change}},
+                                               sweep_limit);
+  }
+}
+
+TEST_P(FluidKernels, ErrorsAreMeasured) {
+  const Sweep sweep(12);
+  Values in = only(sweep.in, lambda_inputs);
+  in["measured"] = {1};
+  in["fluid_measure"] = std::vector<double>(4 * sweep.places, sentinel);
+  Expected measure(in["fluid_measure"]);
+  std::size_t inside = 0;
+  for (std::size_t i = 0; i < sweep.places; ++i) {
+    const bool real_one = i < sweep.count && sweep.mass[i] > 0;
+    const double error = real_one ? sweep.density_error(i) : 0;
+    const double steep2 = real_one ? (sweep.rest * sweep.gradient(i, i)).squaredNorm() : 0;
+    double terms = 0; // |grad rho| is a sum of terms that cancel
+    if (real_one)
+      for (std::size_t j : sweep.near[i]) terms += sweep.rest * sweep.gradient(j, i).norm();
+    measure.set(4 * i, error, real_one ? 1 + std::abs(error) : 0);
+    measure.set(4 * i + 1, steep2, terms * (std::sqrt(steep2) + terms * 1e-6));
+    measure.set(4 * i + 2, real_one && steep2 <= 1500.0 * 1500 ? 1 : 0);
+    measure.set(4 * i + 3, real_one ? 1 : 0);
+    inside += real_one && steep2 <= 1500.0 * 1500;
+  }
+  EXPECT_GT(inside, 10u);
+  expect_kernel<kernels::fluid_lambda::Args>(GetParam(), std::uint32_t(sweep.places), in,
+                                             {{"fluid_measure", measure}}, sweep_limit);
+}
+
+// The gradient that the sweeps use is that of C: central differences, in the test's own double.
+TEST(FluidConstraint, GradientsAreThoseOfDifferences) {
+  Sweep sweep(13, true);
+  double worst = 0;
+  for (const std::size_t i : {62u, 75u, 80u, 10u})
+    for (std::size_t k = 0; k < sweep.count; k += 5)
+      for (int a = 0; a < 3; ++a) {
+        const double small = 1e-6 * spacing, before = sweep.at[k][a];
+        sweep.at[k][a] = before + small;
+        const double up = sweep.density_error(i);
+        sweep.at[k][a] = before - small;
+        const double down = sweep.density_error(i);
+        sweep.at[k][a] = before;
+        worst = std::max(worst, std::abs((up - down) / (2 * small) - sweep.gradient(k, i)[a]));
+      }
+  expect_below("gradient of C against central differences, of 1 / spacing", worst * spacing, 1e-7);
+}
+
+TEST_P(FluidKernels, ShiftsConserveTheCentreOfMass) {
+  for (const bool repeats : {false, true}) {
+    Sweep sweep(14, repeats);
+    if (!repeats) // and without ghosts, whose share of the momentum goes to what holds them
+      for (std::size_t i = 0; i < sweep.count; ++i) {
+        sweep.mass[i] = std::abs(sweep.mass[i]);
+        sweep.in["fluid_place"][4 * i + 3] = sweep.mass[i];
+      }
+    Random random(15);
+    Values in = only(sweep.in, {"rows", "support", "slope_scale", "period_x", "period_y", "period_z",
+                                "fluid_place", "near_count", "near"});
+    in["fluid_lambda"] = std::vector<double>(sweep.places, 0.0);
+    for (std::size_t i = 0; i < sweep.count; ++i)
+      if (sweep.mass[i] > 0) in["fluid_lambda"][i] = rounded(-1e-5 * (1 + random()));
+    in["fluid_shift"] = std::vector<double>(4 * sweep.places, sentinel);
+    Expected shift(in["fluid_shift"]);
+    for (std::size_t i = 0; i < sweep.places; ++i) {
+      Vector3 moved = Vector3::Zero();
+      double size = 0;
+      if (i < sweep.count && sweep.mass[i] > 0) {
+        for (std::size_t k = 0; k < sweep.count; ++k) {
+          const Vector3 part = sweep.rest * in["fluid_lambda"][k] / sweep.mass[i] * sweep.gradient(i, k);
+          moved += part;
+          size += part.norm();
+        }
+      }
+      for (std::size_t a = 0; a < 3; ++a) {
+        const double from = in["fluid_place"][4 * i + a];
+        shift.set(4 * i + a, from + moved[int(a)], i < sweep.count ? std::abs(from) + size : 0);
+      }
+      shift.set(4 * i + 3, in["fluid_place"][4 * i + 3]);
+    }
+    const Values out = expect_kernel<kernels::fluid_shift::Args>(GetParam(), std::uint32_t(sweep.places), in,
+                                                                 {{"fluid_shift", shift}}, sweep_limit);
+    if (repeats) continue;
+    Vector3 sum = Vector3::Zero();
+    double sizes = 0;
+    for (std::size_t i = 0; i < sweep.count; ++i) {
+      const Vector3 moved = vector_at(out.at("fluid_shift"), i) - vector_at(in.at("fluid_place"), i);
+      sum += sweep.mass[i] * moved;
+      sizes += sweep.mass[i] * moved.norm();
+    }
+    EXPECT_GT(sizes / double(sweep.count), 1e-5 * spacing);
+    expect_below("sum of m dy over sum of m |dy|, in roundings of the places",
+                 sum.norm() / sizes / (GetParam().epsilon() * 1.0 / (sizes / double(sweep.count))), 10);
+  }
+}
+
+TEST_P(FluidKernels, StartWithAShareOfTheLast) {
+  Values in{{"share", {0.75}}};
+  Random random(16);
+  const std::size_t size = 129;
+  in["fluid_start"] = random_groups(random, size, 1);
+  in["fluid_lambda"] = in["fluid_total"] = guarded(std::vector<double>(size, sentinel), 1);
+  Expected lambda(in["fluid_lambda"]);
+  for (std::size_t i = 0; i < size; ++i) lambda.set(i, 0.75 * std::min(in["fluid_start"][4 * i + 3], 0.0), 1);
+  expect_kernel<kernels::fluid_warm::Args>(GetParam(), size, in,
+                                           {{"fluid_lambda", lambda}, {"fluid_total", lambda}}, 1);
+}
+
+TEST_P(FluidKernels, RowsAreSums) {
+  for (const std::size_t size : awkward_sizes) {
+    Random random(17);
+    Values in{{"place_count", {double(size)}},
+              {"particle_count", {double(size)}},
+              {"row", {1}},
+              {"left_out", {5, 3}}};
+    double inside = 0, error = 0, largest = -1, steep = 0, removed = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      const bool real_one = i % 5 != 4;
+      const double row[] = {random(), rounded(1 + random()), i % 3 == 0 ? 1.0 : 0.0, real_one ? 1.0 : 0.0};
+      in["fluid_measure"].insert(in["fluid_measure"].end(), row, row + 4);
+      in["position"].insert(in["position"].end(),
+                            {not_a_number, not_a_number, not_a_number, i % 4 == 2 ? 0.0 : 2.0});
+      removed += i % 4 == 2;
+      if (!real_one) continue;
+      inside += row[2], error += row[2] * std::abs(row[0]), steep += row[1];
+      largest = std::max(largest, row[0]);
+    }
+    in["fluid_row"] = std::vector<double>(24, sentinel);
+    Expected row(in["fluid_row"]);
+    const double wanted[] = {inside, error, largest, steep, removed, 5, 3, 0};
+    for (std::size_t k = 0; k < 8; ++k) row.set(8 + k, wanted[k], k == 1 || k == 3 ? wanted[k] : 0);
+    expect_kernel<kernels::fluid_sum::Args>(GetParam(), kernels::fluid_sum::group_size, in,
+                                            {{"fluid_row", row}}, 16);
+  }
+}
+
+// Out of a floor and a ball to the distance asked, along the shortest way; friction takes back what slid.
+TEST_P(FluidKernels, ObstaclesPushOut) {
+  const double radius = 0.0625, friction = 0.5;
+  std::vector<double> table(4 * OBSTACLES * OBSTACLE_ROWS, 0.0);
+  const auto row = [&](int obstacle, int at, std::array<double, 4> values) {
+    std::copy(values.begin(), values.end(), table.begin() + 4 * (OBSTACLE_ROWS * obstacle + at));
+  };
+  for (int o = 0; o < 2; ++o)
+    for (int a = 0; a < 3; ++a)
+      row(o, OBSTACLE_AXES + a, {a == 0 ? 1.0 : 0, a == 1 ? 1.0 : 0, a == 2 ? 1.0 : 0, 0});
+  row(0, OBSTACLE_KIND, {OBSTACLE_PLANE, friction, 0, 0});
+  row(0, OBSTACLE_CENTRE, {0, 0, 0, rounded(1e18)});
+  row(1, OBSTACLE_KIND, {OBSTACLE_SPHERE, 0, 1, 0});
+  row(1, OBSTACLE_CENTRE, {0, 2, 0, 1});
+  row(1, OBSTACLE_SIZE, {0.5, 0, 0, 0});
+  Values in{{"obstacles", {2}}, {"radius", {radius}}, {"obstacle", table}};
+  const std::vector<std::array<double, 8>> cases = {
+      // y*                      start            (w: mass)
+      {0.25, 0.5, 0, 1, 0, 0, 0, 0},     // free
+      {0.25, -0.1875, 0, 1, 0, 0, 0, 0}, // in the floor: 0.25 deep, slid 0.25, of which friction takes 0.125
+      {0.0625, -0.4375, 0, 1, 0, 0, 0, 0}, // slid less than friction holds
+      {0.25, 2, 0, 1, 0.25, 2, 0.125, 0},  // in the ball, which does not slip
+      {0.25, -1, 0, -1, 0, 0, 0, 0},       // a ghost stays
+      {0.25, -1, 0, 0, 0, 0, 0, 0}};       // nothing
+  for (const auto& one : cases) {
+    in["fluid_place"].insert(in["fluid_place"].end(), one.begin(), one.begin() + 4);
+    in["fluid_start"].insert(in["fluid_start"].end(), one.begin() + 4, one.end());
+  }
+  Expected place(in["fluid_place"]);
+  const std::vector<std::array<double, 3>> wanted = {{0.25, 0.5, 0},     {0.125, 0.0625, 0}, {0, 0.0625, 0},
+                                                     {0.5625, 2, 0.125}, {0.25, -1, 0},      {0.25, -1, 0}};
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    for (std::size_t a = 0; a < 3; ++a) place.set(4 * i + a, wanted[i][a], 1);
+  expect_kernel<kernels::fluid_project::Args>(GetParam(), std::uint32_t(cases.size()), in,
+                                              {{"fluid_place", place}}, 8);
+}
+
+// Beyond a side that repeats a particle comes in on the other; beyond another it is removed, and stays so.
+TEST_P(FluidKernels, DomainsRepeatOrEnd) {
+  Values in{{"bounded", {1}},
+            {"time_step", {0.25}},
+            {"base_x", {1}},
+            {"base_y", {0}},
+            {"base_z", {0}},
+            {"low_x", {0}},
+            {"low_y", {0}},
+            {"low_z", {-1}},
+            {"high_x", {2}},
+            {"high_y", {2}},
+            {"high_z", {1}},
+            {"period_x", {2}},
+            {"period_y", {0}},
+            {"period_z", {2}},
+            {"fluid_kind", {0, 1, 0, 1, 0}},
+            {"origin", {1, 0, 0, 0, 0.5, 0, 0, 0}},
+            {"fluid_particle", {4, 2, 0, 1, 3}}};
+  in["fluid_place"] = {0.5, 1, 0,      2,   /**/ 2.25, 1, -1.5,   2, /**/ -0.25, 1,
+                       0,   2, /**/ 1, 2.5, 0,         2, /**/ 1, 1, 0,          0};
+  in["fluid_velocity"] = std::vector<double>(20, 0.5);
+  in["fluid_total"] = {-1, -2, -3, -4, -5};
+  in["position"] = in["velocity"] = std::vector<double>(20, sentinel);
+  Expected position(in["position"]), velocity(in["velocity"]);
+  const auto set = [](Expected& to, std::size_t i, std::array<double, 4> values) {
+    for (std::size_t k = 0; k < 4; ++k) to.set(4 * i + k, values[k], 1);
+  };
+  // Body 0 is at 1 and places count from 1; body 1 is at 0.5.
+  set(position, 4, {0.5, 1, 0, 2});
+  set(position, 2, {0.25, 1, 0.5, 2});
+  set(position, 0, {1.75, 1, 0, 2});
+  set(position, 1, {1.5, 2.5, 0, 0});
+  set(velocity, 4, {0.5, 0.5, 0.5, -16});
+  set(velocity, 2, {0.5, 0.5, 0.5, -32});
+  set(velocity, 0, {0.5, 0.5, 0.5, -48});
+  set(velocity, 1, {0, 0, 0, -64});
+  expect_kernel<kernels::fluid_finish::Args>(GetParam(), 5, in,
+                                             {{"position", position}, {"velocity", velocity}}, 4);
+}
+
+} // namespace
+} // namespace pliant::test
