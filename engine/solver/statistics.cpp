@@ -38,7 +38,8 @@ void Simulation::write_statistics() {
                                               .solver = s.solver,
                                               .statistics = s.statistics});
   const std::size_t bytes = 16 * element_bytes(Type::real, device_.info().precision);
-  pending_.push_back({step_ + 1, device_.request(s.statistics, row * bytes, bytes), nullptr, nullptr});
+  pending_.push_back({step_ + 1, device_.request(s.statistics, row * bytes, bytes), nullptr, nullptr,
+                      plastic_rounds_, earlier_iterations_});
   if (failure_) pending_.back().fracture = failure_->sums(row);
   if (plastic_) pending_.back().plastic = plastic_->sums(row);
 }
@@ -103,6 +104,8 @@ StepStatistics joined(const StepStatistics& earlier, const StepStatistics& later
   both.largest_displacement += earlier.largest_displacement;
   both.not_finite = std::max(earlier.not_finite, later.not_finite);
   both.yielding = std::max(earlier.yielding, later.yielding);
+  both.plastic_rounds += earlier.plastic_rounds;
+  both.yield_excess = std::max(earlier.yield_excess, later.yield_excess);
   return both;
 }
 
@@ -131,6 +134,9 @@ std::vector<StepStatistics> Simulation::take_statistics(bool wait) {
       next.plastic_work = real_at(sums, 1, wide);
       next.plastic_strain = real_at(sums, 2, wide);
       next.plastic_volume = real_at(sums, 3, wide);
+      next.yield_excess = real_at(sums, 4, wide);
+      next.plastic_rounds = pending_.front().plastic_rounds;
+      next.iterations += pending_.front().earlier_iterations;
     }
     pending_.pop_front();
     if (rows.empty() || rows.back().step != next.step)
