@@ -48,8 +48,8 @@ void main() {
       float beyond = surface.y * isotropic - (surface.z + surface.w * (so_far.x + most));
       if (beyond > 0.0) alpha = min(beyond / (surface.y * isotropic), 1.0);
     }
-    taken = (0.5 / inverse_modulus) *
-            (beta * (2.0 - beta) * square + a_over_b * alpha * (2.0 - alpha) * isotropic * isotropic);
+    taken = (beta * (1.0 - beta) * square + a_over_b * alpha * (1.0 - alpha) * isotropic * isotropic) /
+            inverse_modulus; // the stress that stays, times the strain that flows
   }
   flow[2 * i] = vec4(so_far.x + strain, so_far.y + taken,
                      so_far.z + volume * dimension * alpha * isotropic, flows ? 1.0 : 0.0);

@@ -21,7 +21,8 @@ namespace {
 constexpr std::size_t plain_columns = 11;
 constexpr const char* fracture_columns = ",broken_bonds,fracture_energy";
 constexpr const char* energy_columns = ",energy_error,energy_rises";
-constexpr const char* plastic_columns = ",yielding,plastic_work,plastic_strain,plastic_volume";
+constexpr const char* plastic_columns = ",yielding,plastic_work,plastic_strain,plastic_volume,"
+                                        "plastic_rounds,yield_excess";
 constexpr const char* fluid_columns = ",density_error,largest_density_error,density_slope,removed";
 
 std::string header_of(const std::filesystem::path& path, const std::vector<std::string>& components,
@@ -122,8 +123,8 @@ void StatisticsWriter::append(const StatisticsRow& row) {
   if (row.fracture) line += fmt::format(",{:.0f},{}", (*row.fracture)[0], (*row.fracture)[1]);
   if (row.energy) line += fmt::format(",{},{:.0f}", (*row.energy)[0], (*row.energy)[1]);
   if (row.plastic)
-    line += fmt::format(",{:.0f},{},{},{}", (*row.plastic)[0], (*row.plastic)[1], (*row.plastic)[2],
-                        (*row.plastic)[3]);
+    line += fmt::format(",{:.0f},{},{},{},{:.0f},{}", (*row.plastic)[0], (*row.plastic)[1], (*row.plastic)[2],
+                        (*row.plastic)[3], (*row.plastic)[4], (*row.plastic)[5]);
   if (row.fluid)
     line +=
         fmt::format(",{},{},{},{:.0f}", (*row.fluid)[0], (*row.fluid)[1], (*row.fluid)[2], (*row.fluid)[3]);
@@ -179,10 +180,10 @@ std::vector<StatisticsRow> read_statistics(const std::filesystem::path& path) {
       cells.resize(cells.size() - 4);
     }
     if (plastic) {
-      if (cells.size() < plain_columns + 4) throw damaged();
-      row.plastic.emplace();
-      for (std::size_t c = 0; c < 4; ++c) (*row.plastic)[c] = number(cells.size() - 4 + c);
-      cells.resize(cells.size() - 4);
+      const std::size_t columns = row.plastic.emplace().size();
+      if (cells.size() < plain_columns + columns) throw damaged();
+      for (std::size_t c = 0; c < columns; ++c) (*row.plastic)[c] = number(cells.size() - columns + c);
+      cells.resize(cells.size() - columns);
     }
     if (energies) {
       if (cells.size() < plain_columns + 2) throw damaged();

@@ -26,8 +26,8 @@ struct StatisticsRow {
   /// Scenes with a line search on a potential: estimated energy error and iterates that rose, two columns.
   std::optional<std::array<double, 2>> energy = std::nullopt;
   /// Scenes with plasticity, after those: particles that flowed, J of plastic work so far, the largest
-  /// plastic strain, m3 of plastic volume.
-  std::optional<std::array<double, 4>> plastic = std::nullopt;
+  /// plastic strain, m3 of plastic volume, solves of the step, the share lost in its last return.
+  std::optional<std::array<double, 6>> plastic = std::nullopt;
   /// Scenes of fluids, the last: mean density error inside, the largest, sum of |grad rho|^2, particles
   /// removed so far.
   std::optional<std::array<double, 4>> fluid = std::nullopt;
@@ -38,8 +38,8 @@ public:
   /// Writes the header: step, time, iterations, residual, stopped, kinetic_energy, elastic_energy,
   /// momentum_x, momentum_y, momentum_z, ms_total, then ms_<component>; with a component "failure" then
   /// broken_bonds, fracture_energy; with `energies` then energy_error, energy_rises; with "plasticity" then
-  /// yielding, plastic_work, plastic_strain, plastic_volume; with "density" then density_error,
-  /// largest_density_error, density_slope, removed. Replaces what is there. Throws
+  /// yielding, plastic_work, plastic_strain, plastic_volume, plastic_rounds, yield_excess; with "density" then
+  /// density_error, largest_density_error, density_slope, removed. Replaces what is there. Throws
   /// Error(input_output).
   StatisticsWriter(const std::filesystem::path& path, const std::vector<std::string>& components,
                    bool energies);

@@ -14,15 +14,14 @@
 
 namespace pliant {
 
-namespace {
-
-/// The rotation that maximises tr(R^T S).
 Matrix3 nearest_rotation(const Matrix3& s) {
   const Eigen::JacobiSVD<Matrix3> svd(s, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Matrix3 u = svd.matrixU();
   if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) = -u.col(2);
   return u * svd.matrixV().transpose();
 }
+
+namespace {
 
 Matrix3 cofactor(const Matrix3& f) {
   Matrix3 c;

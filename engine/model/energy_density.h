@@ -9,6 +9,9 @@
 
 namespace pliant {
 
+/// The rotation (determinant 1) that maximises tr(R^T S).
+Matrix3 nearest_rotation(const Matrix3& s);
+
 /// Bonds of one particle at rest.
 struct BondSet {
   std::vector<Vector3> bond;    ///< xi; any unit of length: only directions and ratios count

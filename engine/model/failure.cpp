@@ -2,56 +2,33 @@
 #include "engine/model/failure.h"
 
 #include "engine/core/error.h"
-#include "engine/model/lame.h"
+#include "engine/model/separation.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
 namespace pliant {
 
-double critical_stretch(double fracture_energy, double young, double poisson, double reach,
-                        Neighbourhood neighbourhood) {
-  const auto [shear, lame] = lame_constants(young, poisson, neighbourhood);
-  double modulus = 0, factor = 1;
-  if (neighbourhood != Neighbourhood::solid) {
-    const double bulk = lame + shear;
-    modulus = 4 * shear;
-    factor +=
-        16 / (9 * std::numbers::pi * std::numbers::pi) * (bulk - 2 * shear) / (6 / std::numbers::pi * shear);
-  } else {
-    const double bulk = lame + 2. / 3 * shear;
-    modulus = 7.5 * shear;
-    factor += 81. / 256 * (bulk - 5. / 3 * shear) / (3 * shear);
-  }
-  return std::sqrt(fracture_energy / (factor * modulus * reach));
-}
-
-double crack_reach(const Model& model, std::uint32_t particle) {
-  if (model.bodies[model.body[particle]].thickness > 0) { // any normal in its plane
-    double length = 0;
-    for (std::uint32_t b = model.bonds.begin[particle]; b < model.bonds.begin[particle + 1]; ++b)
-      length += model.bonds.weight[b] *
-                (model.reference[model.bonds.neighbour[b]] - model.reference[particle]).norm();
-    return 2 / std::numbers::pi * length;
-  }
-  std::vector<Vector3> normals;
-  for (int x = -1; x <= 1; ++x)
-    for (int y = -1; y <= 1; ++y)
-      for (int z = -1; z <= 1; ++z)
-        if (x != 0 || y != 0 || z != 0) normals.push_back(Vector3(x, y, z).normalized());
-  double reach = 0;
+std::vector<Vector3> crack_normals(const Model& model, std::uint32_t particle) {
+  if (!(model.bodies[model.body[particle]].thickness > 0))
+    return {Vector3::UnitX(), Vector3::UnitY(), Vector3::UnitZ()};
+  Vector3 along = Vector3::Zero();
+  Matrix3 spread = Matrix3::Zero();
   for (std::uint32_t b = model.bonds.begin[particle]; b < model.bonds.begin[particle + 1]; ++b) {
     const Vector3 xi = model.reference[model.bonds.neighbour[b]] - model.reference[particle];
-    double sum = 0;
-    for (const Vector3& n : normals) sum += std::abs(xi.dot(n));
-    reach += model.bonds.weight[b] * sum / static_cast<double>(normals.size());
+    spread += xi * xi.transpose();
+    if (along.norm() == 0 || xi.norm() < along.norm()) along = xi;
   }
-  return reach;
+  const Vector3 off_plane = Eigen::SelfAdjointEigenSolver<Matrix3>(spread).eigenvectors().col(0);
+  along = (along - off_plane * off_plane.dot(along)).normalized();
+  return {along, off_plane.cross(along)};
 }
 
 bool can_break(const Scene& scene, const Model& model) {
@@ -75,17 +52,23 @@ std::vector<double> critical_stretches(const Scene& scene, const Model& model) {
     std::uint32_t fullest = body.first;
     for (std::uint32_t i = body.first; i < body.first + body.count; ++i)
       if (bonds.begin[i + 1] - bonds.begin[i] > bonds.begin[fullest + 1] - bonds.begin[fullest]) fullest = i;
-    const double reach = body.count > 0 ? crack_reach(model, fullest) : 0;
-    const Neighbourhood neighbourhood = body.thickness == 0 ? Neighbourhood::solid
-                                        : model.dimension == 3 || scene.simulation.plane == "stress"
-                                            ? Neighbourhood::plane_stress
-                                            : Neighbourhood::plane_strain;
+    BondSet set;
+    for (std::uint32_t b = bonds.begin[fullest]; b < bonds.begin[fullest + 1]; ++b) {
+      set.bond.emplace_back(model.reference[bonds.neighbour[b]] - model.reference[fullest]);
+      set.weight.push_back(bonds.weight[b]);
+      if (!bonds.strength.empty()) set.strength.push_back(bonds.strength[b]);
+    }
+    std::map<std::uint32_t, double> found; // by the model's material
     for (std::uint32_t i = body.first; i < body.first + body.count; ++i) {
       const Material& material = typed_material(scene, model, i);
       if (material.critical_stretch) stretch[i] = *material.critical_stretch;
-      if (material.fracture_energy && reach > 0)
-        stretch[i] = critical_stretch(*material.fracture_energy, material.young, material.poisson, reach,
-                                      neighbourhood);
+      if (!material.fracture_energy || set.bond.empty()) continue;
+      const std::uint32_t m = model.material[i];
+      const auto [at, unknown] = found.try_emplace(m, 0.0);
+      if (unknown)
+        at->second = Separation(law_of(material), model.constants[m], model.stretch[m], set)
+                         .critical_stretch(*material.fracture_energy, crack_normals(model, fullest));
+      stretch[i] = at->second;
     }
   }
   return stretch;

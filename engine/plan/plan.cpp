@@ -222,11 +222,8 @@ public:
     buffer("rest", Type::real, bonds_.slice_begin.empty() ? 0 : std::size_t{2} * bonds_.slice_begin.back());
     buffer("yield", Type::real4, 2 * n_);
     buffer("flow", Type::real4, 2 * n_);
-    kernels<kernels::plastic_return::Args, kernels::plastic_flow::Args>();
-    if (plan_.statistics) {
-      buffer("plastic_row", Type::real, std::size_t{4} * statistics_rows);
-      kernels<kernels::plastic_sum::Args>();
-    }
+    buffer("plastic_row", Type::real, std::size_t{5} * statistics_rows);
+    kernels<kernels::plastic_return::Args, kernels::plastic_flow::Args, kernels::plastic_sum::Args>();
     begin("statistics", plan_.statistics);
     buffer("chunk", Type::uint4, chunks.chunk.size());
     buffer("chunk_sum", Type::real4, 2 * chunks.chunk.size());

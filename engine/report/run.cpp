@@ -231,7 +231,8 @@ bool Run::stretch(Progress& progress) {
              : std::nullopt,
          simulation_->plan().plastic
              ? std::optional(std::array{static_cast<double>(row.yielding), row.plastic_work,
-                                        row.plastic_strain, row.plastic_volume})
+                                        row.plastic_strain, row.plastic_volume,
+                                        static_cast<double>(row.plastic_rounds), row.yield_excess})
              : std::nullopt,
          simulation_->plan().fluid
              ? std::optional(std::array{row.density_error, row.largest_density_error, row.density_slope,

@@ -70,16 +70,24 @@ void PlasticFlow::flow() {
   }
 }
 
-std::unique_ptr<Readback> PlasticFlow::sums(std::uint32_t row) {
-  if (!plan_.statistics) return nullptr;
+void PlasticFlow::sum(std::uint32_t row) {
   device_.enter("plasticity");
   device_.run(kernels::plastic_sum::Args{.threads = kernels::plastic_sum::group_size,
                                          .particle_count = static_cast<std::uint32_t>(model_.count()),
                                          .row = row,
                                          .flow = state_.flow,
                                          .plastic_row = state_.plastic_row});
-  const std::size_t bytes = 4 * element_bytes(Type::real, device_.info().precision);
+}
+
+std::unique_ptr<Readback> PlasticFlow::sums(std::uint32_t row) {
+  sum(row);
+  const std::size_t bytes = 5 * element_bytes(Type::real, device_.info().precision);
   return device_.request(state_.plastic_row, row * bytes, bytes);
+}
+
+double PlasticFlow::excess(std::uint32_t row) {
+  sum(row);
+  return device_.download_real(state_.plastic_row, std::size_t{5} * row + 4, 1)[0];
 }
 
 std::vector<double> PlasticFlow::strain() {

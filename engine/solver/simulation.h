@@ -49,6 +49,8 @@ struct StepStatistics {
   double plastic_work = 0;                       ///< J, so far: what plastic flow took
   double plastic_strain = 0;                     ///< largest equivalent plastic strain so far
   double plastic_volume = 0;                     ///< m3, so far: gained at the apex of the yield surface
+  unsigned plastic_rounds = 0;                   ///< solves of this step, each after a return
+  double yield_excess = 0; ///< largest share of its strain that a particle lost in the step's last return
   // Of a line search on a potential.
   double energy_error = 0;   ///< estimated, of Eq. 25 (Xu et al. 2018); 1 where nothing asked for it
   unsigned energy_rises = 0; ///< iterates taken though the potential rose by more than the precision can tell
@@ -158,6 +160,8 @@ private:
   void gather_held(double time);
   void begin_solve();
   bool solve_ended();
+  bool solve_again();
+  void start_solver();
   void restore_momentum();
   void advance();
   void advance_fluid();
@@ -184,7 +188,9 @@ private:
   std::vector<Real4<double>> loaded_;      ///< forces on the device, N
   std::uint32_t held_count_ = 0;           ///< particles held in this step
   double stiffness_number_ = 0, floor_ = 0, rounding_ = 0;
-  unsigned iteration_ = 0; ///< of the solve
+  unsigned iteration_ = 0;                               ///< of the solve
+  unsigned plastic_rounds_ = 0, earlier_iterations_ = 0; ///< of the step: solves, iterations but the last's
+  bool flowed_ = false;                                  ///< after the last of them
   std::uint64_t step_ = 0;
   bool first_of_bdf2_ = true;     ///< the step before is missing
   unsigned part_ = 0, parts_ = 1; ///< of a divided step
@@ -193,6 +199,7 @@ private:
   struct Pending {
     std::uint64_t step = 0;
     std::unique_ptr<Readback> readback, fracture, plastic, fluid;
+    unsigned plastic_rounds = 0, earlier_iterations = 0;
   };
   std::deque<Pending> pending_;
   std::deque<std::unique_ptr<Readback>> flags_;

@@ -39,8 +39,8 @@ void Simulation::write_statistics() {
                                               .solver = s.solver,
                                               .statistics = s.statistics});
   const std::size_t bytes = 16 * element_bytes(Type::real, device_.info().precision);
-  pending_.push_back(
-      {step_ + 1, device_.request(s.statistics, row * bytes, bytes), nullptr, nullptr, nullptr});
+  pending_.push_back({step_ + 1, device_.request(s.statistics, row * bytes, bytes), nullptr, nullptr, nullptr,
+                      plastic_rounds_, earlier_iterations_});
   if (failure_) pending_.back().fracture = failure_->sums(row);
   if (plastic_) pending_.back().plastic = plastic_->sums(row);
   if (fluid_) pending_.back().fluid = fluid_->sums(row);
@@ -111,6 +111,8 @@ StepStatistics joined(const StepStatistics& earlier, const StepStatistics& later
   both.largest_displacement += earlier.largest_displacement;
   both.not_finite = std::max(earlier.not_finite, later.not_finite);
   both.yielding = std::max(earlier.yielding, later.yielding);
+  both.plastic_rounds += earlier.plastic_rounds;
+  both.yield_excess = std::max(earlier.yield_excess, later.yield_excess);
   both.density_error = std::max(earlier.density_error, later.density_error);
   both.largest_density_error = std::max(earlier.largest_density_error, later.largest_density_error);
   both.neighbours_dropped = std::max(earlier.neighbours_dropped, later.neighbours_dropped);
@@ -143,6 +145,9 @@ std::vector<StepStatistics> Simulation::take_statistics(bool wait) {
       next.plastic_work = real_at(sums, 1, wide);
       next.plastic_strain = real_at(sums, 2, wide);
       next.plastic_volume = real_at(sums, 3, wide);
+      next.yield_excess = real_at(sums, 4, wide);
+      next.plastic_rounds = pending_.front().plastic_rounds;
+      next.iterations += pending_.front().earlier_iterations;
     }
     if (pending_.front().fluid) {
       const bool wide = device_.info().precision == Precision::double_precision;

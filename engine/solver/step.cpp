@@ -41,8 +41,10 @@ void Simulation::step() {
     return;
   }
   begin_solving();
-  while (!iterate()) {
-  }
+  do {
+    while (!iterate()) {
+    }
+  } while (solve_again());
   end_solving();
 }
 
@@ -62,10 +64,12 @@ void Simulation::begin_solving() {
   begin_solve(); // y* of Eq. 12 and the first guess
   flags_.clear();
   iteration_ = 0;
+  plastic_rounds_ = 1, earlier_iterations_ = 0;
+  flowed_ = false;
 }
 
 bool Simulation::iterate(bool look) {
-  const unsigned k = iteration_++, cap = scene_.solver.iterations;
+  const unsigned k = iteration_++, cap = scene_.solver.iterations - earlier_iterations_;
   const bool search = plan_.pairs && searches(k) && k < cap;
   const bool checked = look || k <= 1 || k % global_step_->check_every() == 0 || k == cap || search;
   if (search) {
@@ -82,7 +86,7 @@ bool Simulation::iterate(bool look) {
 
 void Simulation::end_solving() {
   restore_momentum();
-  if (plastic_) plastic_->flow(); // Eqs. 14 to 18
+  if (plastic_ && !flowed_) plastic_->flow(); // Eqs. 14 to 18
   if (failure_) failure_->break_bonds();
   advance();
   if (failure_) failure_->release();
@@ -120,14 +124,39 @@ void Simulation::begin_solve() {
                                          .inertia_target = s.inertia_target,
                                          .displacement = s.displacement});
   device_.copy(s.displacement, s.best_iterate);
+  start_solver();
+}
+
+void Simulation::start_solver() {
   // The last solve ended with its stop flag up.
-  device_.upload(s.solver, std::vector<double>(SOLVER_ENTRIES, 0.0));
+  device_.upload(state_->solver, std::vector<double>(SOLVER_ENTRIES, 0.0));
   elasticity_->begin();
   global_step_->begin({.step = solve_step_,
                        .stiffness_number = stiffness_number_,
                        .floor = floor_,
                        .rounding = rounding_,
-                       .cap = scene_.solver.iterations});
+                       .cap = scene_.solver.iterations - earlier_iterations_});
+}
+
+// Whatever the return took from the stresses is no longer in balance: to the same y*, from where the last
+// solve ended.
+bool Simulation::solve_again() {
+  if (!plastic_ || plastic_rounds_ == most_plastic_rounds) return false;
+  plastic_->flow();
+  flowed_ = true;
+  if (plastic_->excess(static_cast<std::uint32_t>(step_ % statistics_rows)) <= yield_tolerance) return false;
+  static_assert(SOLVER_REASON == SOLVER_ITERATIONS + 1);
+  const std::vector<double> ended = device_.download_real(state_->solver, SOLVER_ITERATIONS, 2);
+  const unsigned spent = earlier_iterations_ + static_cast<unsigned>(ended[0]);
+  if (ended[1] == static_cast<double>(StopReason::cap) || spent >= scene_.solver.iterations) return false;
+  earlier_iterations_ = spent;
+  ++plastic_rounds_;
+  flowed_ = false;
+  device_.copy(state_->best_iterate, state_->displacement);
+  start_solver();
+  flags_.clear();
+  iteration_ = 0;
+  return true;
 }
 
 bool Simulation::solve_ended() {

@@ -1,7 +1,8 @@
 // What a crack takes and what a bar bears (Silling and Askari 2005): the energy of all bonds that cross a
 // unit of area is the fracture energy typed, whether halves are taken apart or a crack runs through a strip,
-// and a bar breaks at a stress near E s0.
+// and a bar starts to break at a stress near E s0.
 #include "engine/model/failure.h"
+#include "engine/model/separation.h"
 #include "engine/scene/scene_parse.h"
 #include "tests/support/bodies.h"
 
@@ -68,26 +69,24 @@ TEST(Cracks, PartingTakesTheFractureEnergy) {
                           {ordinary, 0.35, true},
                           {corotated, 0.25, true},
                           {corotated, 0.35, true},
+                          {ordinary, 0.45, true},
+                          {corotated, 0.45, true},
                           {basis, 0.25, true},
                           {ordinary, 1. / 3, false},
                           {ordinary, 0.2, false},
-                          {basis, 1. / 3, false}})
-    expect_below(name_of(one) + ": energy to part, off by",
-                 std::abs(energy_to_part(one) / fracture_energy - 1), 0.1);
-  // Not judged: nearly incompressible, and sheets of the corotated law, which cracks are judged by below.
-  for (const Case& one : {Case{ordinary, 0.45, true},
-                          {corotated, 0.45, true},
+                          {basis, 1. / 3, false},
                           {corotated, 1. / 3, false},
                           {corotated, 0.2, false}})
-    report(name_of(one) + ": energy to part, over the one typed", energy_to_part(one) / fracture_energy);
+    expect_below(name_of(one) + ": energy to part, off by",
+                 std::abs(energy_to_part(one) / fracture_energy - 1), 0.1);
 }
 
 /// The same of a crack that runs: a strip, notched over a quarter of its length and held at its long edges,
 /// starts stretched across by what holds `drive` times the energy that the crack takes. Counted while it goes
-/// through the middle half of what is whole.
-double energy_to_run(const Case& one, double drive) {
-  const int nx = one.solid ? 24 : 40, ny = one.solid ? 8 : 16, nz = 5;
-  const double speed = std::sqrt(young / density), step = 0.3 * spacing / speed;
+/// through the middle half of what is whole. In a step sound goes so many `paces` of a spacing.
+double energy_to_run(const Case& one, double drive, double paces = 0.1) {
+  const int nx = one.solid ? 32 : 40, ny = 24, nz = 5;
+  const double speed = std::sqrt(young / density), step = paces * spacing / speed;
   const double nu = one.poisson, height = (ny - 1) * spacing;
   const double strain = std::sqrt(drive * 2 * fracture_energy * (1 - nu * nu) / (young * height));
   std::string more = fmt::format("deform = [[1, 0, 0], [0, {}, 0], [0, 0, {}]]\n", 1 + strain,
@@ -119,7 +118,7 @@ double energy_to_run(const Case& one, double drive) {
   const std::size_t all = static_cast<std::size_t>(nx) / 4 * 3 * (one.solid ? nz : 1);
   std::size_t from = 0, to = 0;
   double begun = 0, ended = 0;
-  for (int k = 0; k < 400 && to < all * 3 / 4; k += 4) {
+  for (int k = 0; k < 800 && to < all * 3 / 4; k += 4) {
     for (int l = 0; l < 4; ++l) simulation.step();
     const double released = simulation.take_statistics().back().fracture_energy;
     to = parted();
@@ -132,24 +131,29 @@ double energy_to_run(const Case& one, double drive) {
   return (ended - begun) / (static_cast<double>(to - from) * spacing * spacing);
 }
 
-// Driven by no more than frees it from between the particles, which hold it more firmly in solids and where
-// bonds alone carry: a fast crack also shakes what it leaves behind.
+// Driven by little more than frees it from between the particles, which hold it more firmly where bonds alone
+// carry, and in steps that are small beside the time in which a bond at its tip is drawn: a bond breaks at
+// the end of a step, when it is longer than it bears, and takes the more energy with it. Strips are so high
+// that what drives the crack breaks nothing elsewhere.
 TEST(Cracks, ARunningCrackTakesTheFractureEnergy) {
   const std::vector<std::pair<Case, double>> judged{
-      {{ordinary, 0.25, true}, 2.5}, {{ordinary, 1. / 3, false}, 1.6},   {{ordinary, 0.2, false}, 1.6},
-      {{basis, 1. / 3, false}, 1.6}, {{corotated, 1. / 3, false}, 1.25}, {{corotated, 0.2, false}, 1.25}};
+      {{corotated, 0.25, true}, 1.2}, {{ordinary, 1. / 3, false}, 1.6},  {{ordinary, 0.2, false}, 1.3},
+      {{basis, 1. / 3, false}, 1.6},  {{corotated, 1. / 3, false}, 1.3}, {{corotated, 0.2, false}, 1.25}};
   for (const auto& [one, drive] : judged)
     expect_below(name_of(one) + ": energy of the crack, off by",
                  std::abs(energy_to_run(one, drive) / fracture_energy - 1), 0.1);
-  // Not judged: surfaces are most of a solid five particles thick, and the corotated law's weights are not
-  // those of its middle there.
-  const Case solid{corotated, 0.25, true};
+  // Not judged: what frees it, twice the energy that it takes, breaks bonds beside its plane as well.
+  const Case solid{ordinary, 0.25, true};
   report(name_of(solid) + ": energy of the crack, over the one typed",
-         energy_to_run(solid, 1.5) / fracture_energy);
+         energy_to_run(solid, 2, 0.3) / fracture_energy);
 }
 
-/// Largest stress of a bar that is drawn slowly, over E s0. Its held ends do not break.
-double strength(const Case& one) {
+struct Strength {
+  double first = 0, most = 0;
+};
+/// Of a bar that is drawn slowly, over E s0: its stress when its first bond breaks, and the largest. Its held
+/// ends do not break.
+Strength strength(const Case& one) {
   const int nx = 16, ny = 4;
   const double speed = std::sqrt(young / density), step = 2 * spacing / speed;
   const double half = nx * spacing / 2;
@@ -171,26 +175,74 @@ double strength(const Case& one) {
   const auto device = open_double();
   Simulation simulation(*device, scene, model);
   const double area = ny * spacing * (one.solid ? ny : 1) * spacing;
-  double largest_stress = 0;
+  double largest_stress = 0, first = 0;
   for (int k = 0; k < 900; ++k) {
     simulation.step();
     if (k % 5 > 0) continue;
+    const std::size_t broken = simulation.take_statistics().back().broken_bonds;
     const std::vector<Vector3> f = simulation.elastic_forces(simulation.positions());
     double drawn = 0;
     for (const Held& held : model.held)
       if (model.position[held.particle].x() > 0) drawn -= f[held.particle].x();
     largest_stress = std::max(largest_stress, drawn / area);
+    if (broken == 0) first = largest_stress;
     if (largest_stress > 0.3 * young * stretch && drawn / area < 0.1 * largest_stress) break; // parted
   }
-  return largest_stress / (young * stretch);
+  return {first / (young * stretch), largest_stress / (young * stretch)};
 }
 
+/// The largest stress, over E s0, of a corotated lattice drawn along an axis if its bonds break alike all
+/// over it: W = mu <|e N|^2> + kappa <N . e N>^2 over the bonds that are left, e = diag(a, b, b), least in b.
+double even_strength(double poisson) {
+  const Material material = material_of("corotated", young, poisson);
+  SimulationSettings settings;
+  settings.spacing = spacing;
+  const BondSet bonds = lattice_neighbourhood(settings, material);
+  const LawConstants constants = law_constants(material);
+  std::vector<bool> broken(bonds.bond.size(), false);
+  double most = 0;
+  for (;;) {
+    double along = 0, across = 0; // <N_x^2>, <N_y^2 + N_z^2>
+    for (std::size_t k = 0; k < broken.size(); ++k) {
+      const double square = std::pow(bonds.bond[k].normalized().x(), 2);
+      if (!broken[k]) along += bonds.weight[k] * square, across += bonds.weight[k] * (1 - square);
+    }
+    if (along < 1e-9) return most;
+    const double aa = along + constants.coupling * along * along, ab = constants.coupling * along * across,
+                 bb = across + constants.coupling * across * across; // of W / (modulus / 2)
+    const double b = bb > 0 ? -ab / bb : 0;
+    const auto strain = [&](std::size_t k) { // of a bond, of a = 1
+      const double square = std::pow(bonds.bond[k].normalized().x(), 2);
+      return square + b * (1 - square);
+    };
+    double largest = 0;
+    for (std::size_t k = 0; k < broken.size(); ++k)
+      if (!broken[k]) largest = std::max(largest, strain(k));
+    most = std::max(most, constants.modulus * (aa + ab * b) / young / largest);
+    for (std::size_t k = 0; k < broken.size(); ++k)
+      if (strain(k) > largest * (1 - 1e-9)) broken[k] = true;
+  }
+}
+
+// Bonds along a bar break at E s0. Where bonds bear by their length alone, that parts it. Those of the
+// corotated law that lie aslant bear shear as well: a solid goes on to more, though not to what it would bear
+// if bonds broke all over it alike (surfaces are most of this one).
 TEST(Cracks, ABarBearsAboutYoungTimesTheCriticalStretch) {
-  for (const Case& one : {Case{ordinary, 0.25, true}, {ordinary, 0.2, false}, {corotated, 0.2, false}})
-    expect_below(name_of(one) + ": strength over E s0, off by", std::abs(strength(one) - 1), 0.1);
-  // Not judged: once bonds along the bar are gone, those across them still bear more of a solid of this law.
-  const Case solid{corotated, 0.25, true};
-  report(name_of(solid) + ": strength over E s0", strength(solid));
+  for (const Case& one : {Case{ordinary, 0.25, true},
+                          {ordinary, 0.2, false},
+                          {corotated, 0.2, false},
+                          {corotated, 0.25, true}}) {
+    const Strength bar = strength(one);
+    expect_below(name_of(one) + ": first break, over E s0, off by", std::abs(bar.first - 1), 0.1);
+    if (one.law == corotated && one.solid) {
+      expect_above(name_of(one) + ": strength over E s0", bar.most, 1);
+      expect_below(name_of(one) + ": strength over E s0", bar.most, even_strength(one.poisson));
+    } else {
+      expect_below(name_of(one) + ": strength over E s0, off by", std::abs(bar.most - 1), 0.1);
+    }
+  }
+  expect_below("the same if bonds break all over, against 1.634 by hand",
+               std::abs(even_strength(0.25) - 1.634), 1e-3);
 }
 
 } // namespace

@@ -87,20 +87,6 @@ TEST(FailureScenes, AreWrittenToTheRecord) {
   EXPECT_TRUE(scene_to_json(parsed(small_scene))["materials"]["rubber"]["fracture_energy"].is_null());
 }
 
-// Silling and Askari's s0 = sqrt(5 G / 9 K delta) and the plane stress one sqrt(4 pi G / 9 E delta) are those
-// of a full ball and disc with weights in proportion to length: <r> = 4/5 delta and 3/4 delta, reach half and
-// 2 / pi of it.
-TEST(FailureScenes, CriticalStretchIsThatOfTheLiterature) {
-  const double delta = 0.01, young = 3e9, energy = 80;
-  const double bulk = young / (3 * (1 - 2 * 0.25));
-  EXPECT_NEAR(critical_stretch(energy, young, 0.25, 0.8 * delta / 2) /
-                  std::sqrt(5 * energy / (9 * bulk * delta)),
-              1, 1e-12);
-  const double flat = critical_stretch(energy, young, 1. / 3, 2 / std::numbers::pi * 0.75 * delta,
-                                       Neighbourhood::plane_stress);
-  EXPECT_NEAR(flat / std::sqrt(4 * std::numbers::pi * energy / (9 * young * delta)), 1, 1e-12);
-}
-
 TEST(FailureScenes, NothingBreaksUnlessAsked) {
   const Scene scene = parsed(small_scene);
   const Model model = assemble(scene);

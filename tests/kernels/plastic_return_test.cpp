@@ -92,15 +92,14 @@ struct Problem {
         }
       }
     }
-    const double dev2 = beta * (2 - beta) * square, iso2 = alpha * (2 - alpha) * iso * iso;
-    const double half = inverse > 0 ? 0.5 / inverse : 0;
-    const double taken_error =
-        half * (square_error + square * 2 * beta_error +
-                a_over_b * (2 * alpha_error * iso * iso + 2 * std::abs(iso) * iso_error));
+    const double dev2 = beta * (1 - beta) * square, iso2 = alpha * (1 - alpha) * iso * iso;
+    const double full = inverse > 0 ? 1 / inverse : 0;
+    const double taken_error = full * (square_error + square * beta_error +
+                                       a_over_b * (alpha_error * iso * iso + std::abs(iso) * iso_error));
     const std::size_t at = 8 * (p.first + i);
     const double gained = surface[4] * dimension * alpha * iso;
     flow.set(at, so_far[0] + strain, so_far[0] + strain_error);
-    flow.set(at + 1, so_far[1] + half * (dev2 + a_over_b * iso2), so_far[1] + (flows ? taken_error : 0));
+    flow.set(at + 1, so_far[1] + full * (dev2 + a_over_b * iso2), so_far[1] + (flows ? taken_error : 0));
     flow.set(at + 2, so_far[2] + gained,
              std::abs(so_far[2]) + surface[4] * dimension * (alpha_error * std::abs(iso) + iso_error));
     flow.set(at + 3, flows ? 1 : 0);

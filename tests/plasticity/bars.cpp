@@ -14,7 +14,7 @@ constexpr double pace = 1. / 64; ///< of the strain at yield, a step
 /// A bar along z, strained to 0.9 of its strength; its two last layers are held at each end, the upper ones
 /// moved on at a steady pace.
 struct Bar {
-  static constexpr int layers = 5, length = 14;
+  static constexpr int layers = 5, length = 18;
   Stage stage;
   Bar(const Material& material, double yield_strain)
       : stage(lattice(layers, layers, length, spacing), spacing, material, step) {
@@ -27,6 +27,7 @@ struct Bar {
                   strain = 0.9 * yield_strain * Vector3(-poisson, -poisson, 1);
     stage.move([&](const Vector3& x) -> Vector3 { return x + strain.cwiseProduct(x - middle); });
     stage.scene.solver.tolerance = 1e-4;
+    stage.scene.solver.iterations = 4000;
   }
   /// Pa: the pull of the upper half on the lower, over the section at rest.
   double stress(Simulation& simulation) const {
@@ -41,10 +42,9 @@ struct Bar {
 
 class PlasticBar : public OnEachDevice {};
 
-// A step's return keeps the pressure of the elastic stress before it, a third of what the step has added:
-// half a per cent here, and more where the bar's halves are not yet in balance again. Held ends confine the
-// bar, which is twice as long as thick, by another per cent or two. Seen: 0.7 to 2.3 %; in tension without
-// friction 0.5 % just at yield with 256 steps, 6 % beyond it with 8.
+// Held ends confine the bar, which is twice as long as thick, by most of what is seen: 0.6 to 0.95 %. A step
+// that is solved and returned once only is off by up to 2.3 %: its return keeps the pressure of the elastic
+// stress before it, a third of what the step has added.
 TEST_P(PlasticBar, YieldsInTensionAndCompression) {
   const auto open = device();
   struct Case {
@@ -59,12 +59,23 @@ TEST_P(PlasticBar, YieldsInTensionAndCompression) {
     const Bar bar(material, sign * strength / young);
     Simulation simulation(*open, bar.stage.scene, bar.stage.model);
     double work = 0;
-    for (int k = 0; k < 20; ++k) {
+    unsigned rounds = 0;
+    const int steps = GetParam().gl() ? 12 : 20; // slow on a processor that plays one
+    for (int k = 0; k < steps; ++k) {
       simulation.step();
       for (const StepStatistics& row : simulation.take_statistics()) {
         EXPECT_GE(row.plastic_work, work);
         work = row.plastic_work;
-        if (k == 19) {
+        EXPECT_GE(row.plastic_rounds, 1u);
+        EXPECT_LE(row.plastic_rounds, most_plastic_rounds);
+        if (row.plastic_rounds < most_plastic_rounds) {
+          EXPECT_LE(row.yield_excess, yield_tolerance);
+        }
+        rounds = std::max(rounds, row.plastic_rounds);
+        if (row.yielding == 0) {
+          EXPECT_EQ(row.plastic_rounds, 1u) << "nothing yielded";
+        }
+        if (k == steps - 1) {
           EXPECT_GT(row.yielding, 50u);
         }
       }
@@ -72,7 +83,8 @@ TEST_P(PlasticBar, YieldsInTensionAndCompression) {
     const std::string name =
         "friction " + std::to_string(static_cast<int>(friction)) + (sign > 0 ? ", tension" : ", compression");
     expect_below(name + ": |stress / strength - 1|", std::abs(sign * bar.stress(simulation) / strength - 1),
-                 0.025);
+                 0.01);
+    report(name + ": most solves in a step", rounds);
     const std::vector<double> strain = simulation.plastic_strain();
     report(name + ": largest plastic strain", *std::max_element(strain.begin(), strain.end()));
   }
@@ -112,7 +124,9 @@ struct Thrown {
 class PlasticBits : public OnEachDevice {};
 
 TEST_P(PlasticBits, SavedKeptAndThreaded) {
-  const Thrown thrown(true);
+  Thrown thrown(true);
+  thrown.scene.solver.tolerance = 1e-2;
+  thrown.scene.solver.iterations = 200;
   PlanRequest request;
   request.divergence = true;
   const auto open = device();
@@ -123,6 +137,9 @@ TEST_P(PlasticBits, SavedKeptAndThreaded) {
   const auto rows = whole.take_statistics();
   ASSERT_EQ(rows.size(), 18u);
   EXPECT_GT(rows.back().plastic_strain, 0.01);
+  EXPECT_TRUE(std::any_of(rows.begin(), rows.end(), [](const StepStatistics& r) {
+    return r.plastic_rounds > 1;
+  })) << "some steps are solved again";
   EXPECT_GT(rows.back().plastic_work, rows[10].plastic_work);
   Simulation second(*open, thrown.scene, thrown.model, request);
   second.load(saved);
@@ -188,7 +205,7 @@ TEST(PlasticBody, KeepsItsLengthsWhereOthersBreak) {
     Thrown thrown(true);
     Scene& scene = thrown.scene;
     scene.solver.tolerance = 1e-9;
-    scene.solver.iterations = 400;
+    scene.solver.iterations = 4000;
     if (both) {
       Material glass = material_of("ordinary", 2e5, 0.3);
       glass.name = "glass";

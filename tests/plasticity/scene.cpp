@@ -125,7 +125,7 @@ TEST(PlasticScene, ColumnsAreReadBack) {
       row.step = 3, row.time = 0.25, row.stopped = "floor";
       row.ms_components.assign(components.size(), 0.5);
       if (breaks) row.fracture = {7, 0.1};
-      if (flows) row.plastic = {12, 1.0 / 3, 0.02, -1e-9};
+      if (flows) row.plastic = {12, 1.0 / 3, 0.02, -1e-9, 3, 1e-4};
       StatisticsWriter(path, components, false).append(row);
       const std::vector<StatisticsRow> rows = read_statistics(path);
       ASSERT_EQ(rows.size(), 1u);

@@ -44,9 +44,9 @@ template <class real> void plastic_return(const kernels::plastic_return::View<re
         const real pull = surface.y * isotropic, beyond = pull - (strength + surface.w * most);
         if (beyond > 0) alpha = smaller(beyond / pull, real(1));
       }
-      const real deviatoric = beta * (2 - beta) * square;
-      const real volumetric = a_over_b * alpha * (2 - alpha) * isotropic * isotropic;
-      taken = (deviatoric + volumetric) / (2 * inverse_modulus);
+      const real deviatoric = beta * (1 - beta) * square; // what is left, times what flows
+      const real volumetric = a_over_b * alpha * (1 - alpha) * isotropic * isotropic;
+      taken = (deviatoric + volumetric) / inverse_modulus;
     }
     k.flow[2 * std::size_t{i}] = {so_far.x + strain, so_far.y + taken,
                                   so_far.z + volume * k.dimension * alpha * isotropic, real(flows ? 1 : 0)};
