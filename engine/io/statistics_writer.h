@@ -38,8 +38,8 @@ public:
   /// Writes the header: step, time, iterations, residual, stopped, kinetic_energy, elastic_energy,
   /// momentum_x, momentum_y, momentum_z, ms_total, then ms_<component>; with a component "failure" then
   /// broken_bonds, fracture_energy; with `energies` then energy_error, energy_rises; with "plasticity" then
-  /// yielding, plastic_work, plastic_strain, plastic_volume, plastic_rounds, yield_excess; with "density" then
-  /// density_error, largest_density_error, density_slope, removed. Replaces what is there. Throws
+  /// yielding, plastic_work, plastic_strain, plastic_volume, plastic_rounds, yield_excess; with "density"
+  /// then density_error, largest_density_error, density_slope, removed. Replaces what is there. Throws
   /// Error(input_output).
   StatisticsWriter(const std::filesystem::path& path, const std::vector<std::string>& components,
                    bool energies);
