@@ -45,11 +45,11 @@ struct StepStatistics {
   std::size_t not_finite = 0;                    ///< particles
   std::size_t broken_bonds = 0;                  ///< so far
   double fracture_energy = 0;                    ///< J, so far: what broken bonds held when they broke
-  std::size_t yielding = 0;                      ///< particles that flowed in this step
+  std::size_t yielding = 0;                      ///< particles that flowed in the step's last return
   double plastic_work = 0;                       ///< J, so far: what plastic flow took
   double plastic_strain = 0;                     ///< largest equivalent plastic strain so far
   double plastic_volume = 0;                     ///< m3, so far: gained at the apex of the yield surface
-  unsigned plastic_rounds = 0;                   ///< solves of this step, each after a return
+  unsigned plastic_rounds = 0;                   ///< solves of the step, each followed by a return
   double yield_excess = 0; ///< largest share of its strain that a particle lost in the step's last return
   // Of a line search on a potential.
   double energy_error = 0;   ///< estimated, of Eq. 25 (Xu et al. 2018); 1 where nothing asked for it
