@@ -98,6 +98,7 @@ struct Sweep {
   double rest = 0;
   Vector3 period = Vector3::Zero();
   std::vector<std::vector<std::size_t>> near;
+  std::vector<double> wall; ///< groups of four: gradient of what walls add, 1/m, and that; empty: no walls
   Values in;
 
   explicit Sweep(unsigned seed, bool repeats = false) {
@@ -126,7 +127,7 @@ struct Sweep {
     double sum = std::abs(mass[i]) * factor * smoothing.spline_value(0);
     for (std::size_t j = 0; j < count; ++j)
       if (j != i) sum += std::abs(mass[j]) * factor * smoothing.spline_value(between(i, j).norm());
-    return sum / rest - 1;
+    return sum / rest - 1 + (wall.empty() ? 0 : wall[4 * i + 3]);
   }
   /// grad_k C_i
   Vector3 gradient(std::size_t k, std::size_t i) const {
@@ -138,10 +139,17 @@ struct Sweep {
                                             : Vector3(Vector3::Zero());
     };
     if (k != i) return -std::abs(mass[k]) / rest * slope(k);
-    Vector3 sum = Vector3::Zero();
+    Vector3 sum = wall.empty() ? Vector3(Vector3::Zero()) : vector_at(wall, i);
     for (std::size_t j = 0; j < count; ++j)
       if (j != i) sum += std::abs(mass[j]) / rest * slope(j);
     return sum;
+  }
+
+  void put_walls() {
+    Random random(18);
+    wall = random_groups(random, places, 0.25);
+    in["walls"] = {1};
+    in["fluid_wall"] = wall;
   }
 
 private:
@@ -206,8 +214,10 @@ constexpr double sweep_limit = 20;
 
 TEST_P(FluidKernels, MultipliersFollowTheConstraint) {
   for (const bool repeats : {false, true}) {
-    const Sweep sweep(11, repeats);
+    Sweep sweep(11, repeats);
+    if (repeats) sweep.put_walls();
     Values in = only(sweep.in, lambda_inputs);
+    if (repeats) in.merge(only(sweep.in, {"walls", "fluid_wall"}));
     in["fluid_total"] = std::vector<double>(sweep.places, 0.0);
     in["fluid_lambda"] = std::vector<double>(sweep.places, sentinel);
     Expected total(in["fluid_total"]), change(in["fluid_lambda"]);
@@ -290,6 +300,10 @@ TEST_P(FluidKernels, ShiftsConserveTheCentreOfMass) {
     Random random(15);
     Values in = only(sweep.in, {"rows", "support", "slope_scale", "period_x", "period_y", "period_z",
                                 "fluid_place", "near_count", "near"});
+    if (repeats) {
+      sweep.put_walls();
+      in.merge(only(sweep.in, {"walls", "fluid_wall", "fluid_velocity", "fluid_material"}));
+    }
     in["fluid_lambda"] = std::vector<double>(sweep.places, 0.0);
     for (std::size_t i = 0; i < sweep.count; ++i)
       if (sweep.mass[i] > 0) in["fluid_lambda"][i] = rounded(-1e-5 * (1 + random()));
@@ -346,7 +360,7 @@ TEST_P(FluidKernels, RowsAreSums) {
               {"particle_count", {double(size)}},
               {"row", {1}},
               {"left_out", {5, 3}}};
-    double inside = 0, error = 0, largest = -1, steep = 0, removed = 0;
+    double inside = 0, error = 0, largest = -1, steep = 0, removed = 0, excess = 0, all = 0;
     for (std::size_t i = 0; i < size; ++i) {
       const bool real_one = i % 5 != 4;
       const double row[] = {random(), rounded(1 + random()), i % 3 == 0 ? 1.0 : 0.0, real_one ? 1.0 : 0.0};
@@ -357,19 +371,37 @@ TEST_P(FluidKernels, RowsAreSums) {
       if (!real_one) continue;
       inside += row[2], error += row[2] * std::abs(row[0]), steep += row[1];
       largest = std::max(largest, row[0]);
+      excess += std::max(row[0], 0.0), all += 1;
     }
     in["fluid_row"] = std::vector<double>(24, sentinel);
     Expected row(in["fluid_row"]);
-    const double wanted[] = {inside, error, largest, steep, removed, 5, 3, 0};
-    for (std::size_t k = 0; k < 8; ++k) row.set(8 + k, wanted[k], k == 1 || k == 3 ? wanted[k] : 0);
+    const double wanted[] = {inside, error, largest, steep, removed, 5, 3, all > 0 ? excess / all : 0};
+    for (std::size_t k = 0; k < 8; ++k) row.set(8 + k, wanted[k], k == 1 || k == 3 || k == 7 ? wanted[k] : 0);
     expect_kernel<kernels::fluid_sum::Args>(GetParam(), kernels::fluid_sum::group_size, in,
                                             {{"fluid_row", row}}, 16);
   }
 }
 
-// Out of a floor and a ball to the distance asked, along the shortest way; friction takes back what slid.
+// The share of the spline beyond a plane, by adding up rings of planes.
+double beyond(const Smoothing& smoothing, double distance) {
+  const int parts = 400;
+  double sum = 0;
+  for (int i = 0; i < parts; ++i) { // planes, by the middle of each piece
+    const double z = distance + (smoothing.support - distance) * (i + 0.5) / parts;
+    for (int k = 0; k < parts; ++k) {
+      const double r = smoothing.support * (k + 0.5) / parts;
+      sum += smoothing.spline_value(std::hypot(r, z)) * 2 * 3.14159265358979 * r * smoothing.support / parts *
+             (smoothing.support - distance) / parts;
+    }
+  }
+  return sum;
+}
+
+// Out of a floor and a ball to the distance asked, along the shortest way; friction takes back what slid; and
+// walls count in the density as if they were full.
 TEST_P(FluidKernels, ObstaclesPushOut) {
-  const double radius = 0.0625, friction = 0.5;
+  const double radius = 0.0625, friction = 0.5, share = 0.75;
+  const Smoothing smoothing{0.25, 3};
   std::vector<double> table(4 * OBSTACLES * OBSTACLE_ROWS, 0.0);
   const auto row = [&](int obstacle, int at, std::array<double, 4> values) {
     std::copy(values.begin(), values.end(), table.begin() + 4 * (OBSTACLE_ROWS * obstacle + at));
@@ -382,7 +414,11 @@ TEST_P(FluidKernels, ObstaclesPushOut) {
   row(1, OBSTACLE_KIND, {OBSTACLE_SPHERE, 0, 1, 0});
   row(1, OBSTACLE_CENTRE, {0, 2, 0, 1});
   row(1, OBSTACLE_SIZE, {0.5, 0, 0, 0});
-  Values in{{"obstacles", {2}}, {"radius", {radius}}, {"obstacle", table}};
+  Values in{{"obstacles", {2}},
+            {"radius", {radius}},
+            {"support", {smoothing.support}},
+            {"share", {share}},
+            {"obstacle", table}};
   const std::vector<std::array<double, 8>> cases = {
       // y*                      start            (w: mass)
       {0.25, 0.5, 0, 1, 0, 0, 0, 0},     // free
@@ -390,18 +426,39 @@ TEST_P(FluidKernels, ObstaclesPushOut) {
       {0.0625, -0.4375, 0, 1, 0, 0, 0, 0}, // slid less than friction holds
       {0.25, 2, 0, 1, 0.25, 2, 0.125, 0},  // in the ball, which does not slip
       {0.25, -1, 0, -1, 0, 0, 0, 0},       // a ghost stays
-      {0.25, -1, 0, 0, 0, 0, 0, 0}};       // nothing
+      {0.25, -1, 0, 0, 0, 0, 0, 0},        // nothing
+      {0.25, 0.15625, 0, 1, 0, 0, 0, 0}};  // above the floor, within the spline's reach
   for (const auto& one : cases) {
     in["fluid_place"].insert(in["fluid_place"].end(), one.begin(), one.begin() + 4);
     in["fluid_start"].insert(in["fluid_start"].end(), one.begin() + 4, one.end());
   }
   Expected place(in["fluid_place"]);
   const std::vector<std::array<double, 3>> wanted = {{0.25, 0.5, 0},     {0.125, 0.0625, 0}, {0, 0.0625, 0},
-                                                     {0.5625, 2, 0.125}, {0.25, -1, 0},      {0.25, -1, 0}};
+                                                     {0.5625, 2, 0.125}, {0.25, -1, 0},      {0.25, -1, 0},
+                                                     {0.25, 0.15625, 0}};
   for (std::size_t i = 0; i < wanted.size(); ++i)
     for (std::size_t a = 0; a < 3; ++a) place.set(4 * i + a, wanted[i][a], 1);
+  in["fluid_wall"] = std::vector<double>(4 * cases.size(), sentinel);
+  Expected wall(in["fluid_wall"]);
+  // Free and near nothing; at the radius from the floor; 0.15625 above it; at the radius from the ball.
+  const double distances[] = {1, radius, radius, radius, 1, 1, 0.15625};
+  const Values out =
+      run_kernel<kernels::fluid_project::Args>(OpenDevices::of(GetParam()), std::uint32_t(cases.size()), in);
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const double d = distances[i], small = 1e-4;
+    const bool near = d < smoothing.support;
+    const double here = near ? share * beyond(smoothing, d) : 0;
+    const double slope =
+        near ? share * (beyond(smoothing, d + small) - beyond(smoothing, d - small)) / (2 * small) : 0;
+    const double values[] = {i == 3 ? slope : 0, i == 3 ? 0 : slope, 0, here};
+    // The sums above are right within 1e-5 of the whole.
+    for (std::size_t k = 0; k < 4; ++k) wall.set(4 * i + k, values[k], anything);
+    for (std::size_t k = 0; k < 4; ++k)
+      EXPECT_NEAR(out.at("fluid_wall")[4 * i + k], values[k], k == 3 ? 2e-4 : 2e-3 / smoothing.support)
+          << i << " " << k;
+  }
   expect_kernel<kernels::fluid_project::Args>(GetParam(), std::uint32_t(cases.size()), in,
-                                              {{"fluid_place", place}}, 8);
+                                              {{"fluid_place", place}, {"fluid_wall", wall}}, 8);
 }
 
 // Beyond a side that repeats a particle comes in on the other; beyond another it is removed, and stays so.
