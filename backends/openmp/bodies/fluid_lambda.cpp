@@ -17,8 +17,7 @@ template <class real> void fluid_lambda(const kernels::fluid_lambda::View<real>&
     Wide<real> sum = magnitudes<real>(place.w) * spline_value(none), squares{};
     Wide3<real> gradient{};
     for_each_near(k, part, place, [&](const uint*, const Wide4<real>& d, WideMask<real> self) {
-      Wide<real> q = root_wide<real>(d.x * d.x + d.y * d.y + d.z * d.z) * per_support;
-      q = q < 1 ? q : none + 1;
+      const Wide<real> q = root_wide<real>(d.x * d.x + d.y * d.y + d.z * d.z) * per_support;
       const Wide<real> mass = magnitudes<real>(d.w), slope = spline_slope(q);
       const Wide<real> value = mass * spline_value(q);
       sum += self ? none : value;

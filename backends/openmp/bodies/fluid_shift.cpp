@@ -16,8 +16,8 @@ template <class real> void fluid_shift(const kernels::fluid_shift::View<real>& k
     const Wide4<real> place = gather(k.fluid_place, part.index);
     Wide3<real> own{}, theirs{};
     for_each_near(k, part, place, [&](const uint* neighbours, const Wide4<real>& d, WideMask<real>) {
-      Wide<real> q = root_wide<real>(d.x * d.x + d.y * d.y + d.z * d.z) * per_support, lambda;
-      q = q < 1 ? q : none + 1;
+      const Wide<real> q = root_wide<real>(d.x * d.x + d.y * d.y + d.z * d.z) * per_support;
+      Wide<real> lambda;
       for (uint lane = 0; lane < lanes<real>; ++lane) lambda[lane] = k.fluid_lambda[neighbours[lane]];
       const Wide<real> slope = spline_slope(q), mass = magnitudes<real>(d.w);
       const Wide3<real> steep{slope * d.x, slope * d.y, slope * d.z};
