@@ -49,7 +49,7 @@ bool moves(const Boundary& boundary) {
 Fluid::Fluid(Device& device, const Scene& scene, const Model& model, const Plan& plan, SimulationState& state,
              const Vector3& scene_origin)
     : device_(device), scene_(scene), state_(state), watched_(plan.statistics),
-      plan_(plan_fluid(scene, model, plan.statistics)), obstacles_(scene, model.spacing / 2, model.spacing) {
+      plan_(plan_fluid(scene, model, plan.statistics)), obstacles_(scene, plan_.model.reach, model.spacing) {
   for (const BufferSpec& spec : plan_.buffers)
     buffers_.emplace(spec.name, device.allocate(spec.name, spec.type, spec.count));
   origin_ = plan_.model.lattice.base;
@@ -171,7 +171,11 @@ void Fluid::find(double step) {
 }
 
 void Fluid::shift() {
-  kernels::fluid_shift::Args args{.threads = plan_.model.places, .rows = plan_.model.rows};
+  kernels::fluid_shift::Args args{
+      .threads = plan_.model.places, .walls = plan_.walls, .rows = plan_.model.rows};
+  args.fluid_material = buffer("fluid_material");
+  args.fluid_velocity = buffer("fluid_velocity");
+  args.fluid_wall = buffer("fluid_wall");
   args.support = plan_.model.smoothing.support;
   args.slope_scale = plan_.model.smoothing.spline_gradient();
   in_period(args);
@@ -191,11 +195,14 @@ void Fluid::project() {
                                            .meshes = plan_.meshes,
                                            .obstacles = obstacles_.count(),
                                            .radius = plan_.model.reach / scene_.fluid.horizon / 2,
+                                           .support = plan_.model.smoothing.support,
+                                           .share = plan_.model.wall_share,
                                            .obstacle = buffer("obstacle"),
                                            .grid = buffer("obstacle_grid"),
                                            .fluid_start = buffer("fluid_start"),
                                            .grid_distance = buffer("grid_distance"),
-                                           .fluid_place = buffer("fluid_place")});
+                                           .fluid_place = buffer("fluid_place"),
+                                           .fluid_wall = buffer("fluid_wall")});
   device_.enter("density");
 }
 
@@ -203,7 +210,8 @@ namespace {
 
 kernels::fluid_lambda::Args lambda_args(const Fluid& fluid) {
   const FluidModel& model = fluid.plan().model;
-  kernels::fluid_lambda::Args args{.threads = model.places, .rows = model.rows};
+  kernels::fluid_lambda::Args args{.threads = model.places, .walls = fluid.plan().walls, .rows = model.rows};
+  args.fluid_wall = fluid.buffer("fluid_wall");
   args.support = model.smoothing.support;
   args.value_scale = model.smoothing.spline();
   args.slope_scale = model.smoothing.spline_gradient();
@@ -222,6 +230,7 @@ kernels::fluid_lambda::Args lambda_args(const Fluid& fluid) {
 } // namespace
 
 void Fluid::density(double step) {
+  project();
   device_.enter("density");
   device_.run(kernels::fluid_warm::Args{.threads = plan_.model.places,
                                         .share = warm_share * step * step,

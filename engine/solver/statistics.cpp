@@ -159,6 +159,7 @@ std::vector<StepStatistics> Simulation::take_statistics(bool wait) {
       next.removed = static_cast<std::size_t>(std::lround(real_at(sums, 4, wide)));
       next.neighbours_dropped = static_cast<std::size_t>(std::lround(real_at(sums, 5, wide)));
       next.lists_full = static_cast<std::size_t>(std::lround(real_at(sums, 6, wide)));
+      next.residual = real_at(sums, 7, wide);
     }
     pending_.pop_front();
     if (rows.empty() || rows.back().step != next.step)
