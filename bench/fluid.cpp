@@ -48,7 +48,9 @@ std::map<std::string, std::vector<double>> measure(int side, unsigned threads, i
   std::uniform_real_distribution<double> shake(-0.25 * spacing, 0.25 * spacing);
   for (Vector3& p : model.position) p += Vector3(shake(random), shake(random), shake(random));
   const auto device = open_device({"openmp", Precision::single_precision, threads, false});
-  Simulation simulation(*device, scene, model, {.statistics = false});
+  PlanRequest request;
+  request.statistics = false;
+  Simulation simulation(*device, scene, model, request);
   simulation.measure(true);
   std::map<std::string, std::vector<double>> spent;
   const Snapshot start = simulation.snapshot();

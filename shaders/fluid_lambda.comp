@@ -25,6 +25,11 @@ void main() {
   uint row = FLUID_ROWS * uint(fluid_velocity[i].w);
   vec4 limits = fluid_material[row + FLUID_LIMITS];
   float rest = fluid_material[row + FLUID_TRAITS].x, error = value_scale * sum / rest - 1.0;
+#if walls
+  vec4 wall = fluid_wall[i];
+  error += wall.w;
+  gradient += rest / slope_scale * wall.xyz;
+#endif
 #if measured
   vec3 steep = slope_scale * gradient;
   float steep2 = dot(steep, steep);

@@ -5,11 +5,24 @@
 #include "common/obstacle_grid.glsl"
 #endif
 
+// Share of the cubic spline beyond a plane at x supports, in three dimensions (in two it differs by 3 %), and its slope.
+float beyond(float x) {
+  float a = max(1.0 - x, 0.0), b = max(1.0 - 2.0 * x, 0.0), a5 = a * a * a * a * a, b5 = b * b * b * b * b;
+  return a5 * (1.6 - 16.0 / 15.0 * a) - b5 * (0.1 - b / 15.0);
+}
+float beyond_slope(float x) {
+  float a = max(1.0 - x, 0.0), b = max(1.0 - 2.0 * x, 0.0), a4 = a * a * a * a, b4 = b * b * b * b;
+  return b4 * (1.0 - 0.8 * b) - a4 * (8.0 - 6.4 * a);
+}
+
 void main() {
   uint i = thread_index();
   if (i >= threads) return;
-  vec4 end = fluid_place[i];
-  if (!(end.w > 0.0)) return;
+  vec4 end = fluid_place[i], wall = vec4(0.0);
+  if (!(end.w > 0.0)) {
+    fluid_wall[i] = wall;
+    return;
+  }
   vec3 y = end.xyz, start = fluid_start[i].xyz;
   for (uint o = 0u; o < obstacles; ++o) {
     uint row = OBSTACLE_ROWS * o;
@@ -42,19 +55,23 @@ void main() {
 #endif
     }
     float sense = traits.w > 0.0 ? -1.0 : 1.0;
-    float depth = radius - sense * d;
-    if (!(depth > 0.0)) continue;
+    float away = sense * d, depth = radius - away;
+    if (!(away < support)) continue;
     vec3 gradient = sense * vec3(dot(r0.xyz, normal), dot(r1.xyz, normal), dot(r2.xyz, normal));
     float steep2 = dot(gradient, gradient);
     if (!(steep2 > 0.0)) continue;
+    float x = max(away, radius) / support;
+    if (traits.z != float(OBSTACLE_GHOSTS)) wall += share * vec4(beyond_slope(x) / (support * sqrt(steep2)) * gradient, beyond(x));
+    if (!(depth > 0.0)) continue;
     vec4 s0 = obstacle[row + OBSTACLE_SHIFT], s1 = obstacle[row + OBSTACLE_SHIFT + 1],
          s2 = obstacle[row + OBSTACLE_SHIFT + 2];
     vec3 push = depth / steep2 * gradient;
     vec3 slide = (y - start) - vec3(dot(s0.xyz, from) + s0.w, dot(s1.xyz, from) + s1.w, dot(s2.xyz, from) + s2.w);
     slide -= dot(gradient, slide) / steep2 * gradient;
-    float slid = length(slide), held = traits.z != 0.0 ? slid : min(slid, traits.y * length(push));
+    float slid = length(slide), held = traits.z == 1.0 ? slid : min(slid, traits.y * length(push));
     y += push;
     if (held > 0.0) y -= held / slid * slide;
   }
   fluid_place[i] = vec4(y, end.w);
+  fluid_wall[i] = wall;
 }

@@ -1,4 +1,5 @@
 // Shifts that multipliers make; see kernels/fluid_shift.decl.
+#include "common/fluid.glsl"
 #include "common/near.glsl"
 #include "common/smoothing.glsl"
 
@@ -17,6 +18,9 @@ void main() {
     own += abs(other.w) * slope;
     theirs += fluid_lambda[j] * slope;
   }
+#if walls
+  own += fluid_material[FLUID_ROWS * uint(fluid_velocity[i].w) + FLUID_TRAITS].x / slope_scale * fluid_wall[i].xyz;
+#endif
   vec3 shift = place.w > 0.0 ? slope_scale * (fluid_lambda[i] / place.w * own + theirs) : vec3(0.0);
   fluid_shift[i] = vec4(place.xyz + shift, place.w);
 }

@@ -83,15 +83,27 @@ PLIANT_INLINE void for_each_near(const View& k, const Part<typename View::real>&
   const bool repeats = k.period_x > 0 || k.period_y > 0 || k.period_z > 0;
   const WideInt<real> self = load_words<real>(part.index);
   const uint* row = k.near + std::size_t{16} * k.rows * slice + part.first % 16;
-  for (uint r = 0; r < k.near_count[slice]; ++r, row += 16) {
+  const uint* const end = row + 16 * k.near_count[slice];
+  const auto difference = [&](Wide4<real>& d) {
     const Wide4<real> other = gather(k.fluid_place, row);
-    Wide4<real> d{place.x - other.x, place.y - other.y, place.z - other.z, other.w};
-    if (repeats) {
-      if (k.period_x > 0) d.x = shortest<real>(d.x, k.period_x);
-      if (k.period_y > 0) d.y = shortest<real>(d.y, k.period_y);
-      if (k.period_z > 0) d.z = shortest<real>(d.z, k.period_z);
+    d = {place.x - other.x, place.y - other.y, place.z - other.z, other.w};
+  };
+  const auto same = [&]() { return __builtin_convertvector(load_words<real>(row) == self, WideMask<real>); };
+  if (!repeats) {
+    for (; row != end; row += 16) {
+      Wide4<real> d;
+      difference(d);
+      visit(row, d, same());
     }
-    visit(row, d, __builtin_convertvector(load_words<real>(row) == self, WideMask<real>));
+    return;
+  }
+  for (; row != end; row += 16) {
+    Wide4<real> d;
+    difference(d);
+    if (k.period_x > 0) d.x = shortest<real>(d.x, k.period_x);
+    if (k.period_y > 0) d.y = shortest<real>(d.y, k.period_y);
+    if (k.period_z > 0) d.z = shortest<real>(d.z, k.period_z);
+    visit(row, d, same());
   }
 }
 

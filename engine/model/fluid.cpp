@@ -43,6 +43,17 @@ FluidConstants constants_of(const Material& material, const Smoothing& smoothing
   return c;
 }
 
+double wall_share(const Smoothing& smoothing, double spacing) {
+  double own = 0; // of the layer that a particle lies in
+  const int reach = static_cast<int>(smoothing.support / spacing);
+  for (int y = smoothing.dimension == 2 ? 0 : -reach; y <= (smoothing.dimension == 2 ? 0 : reach); ++y)
+    for (int x = -reach; x <= reach; ++x) own += smoothing.spline_value(spacing * std::hypot(x, y));
+  const double beyond = (1 - own / smoothing.lattice_density(spacing)) / 2;
+  const double a = 1 - spacing / (2 * smoothing.support),
+               b = 2 * a - 1; // as shaders/fluid_project.comp has it
+  return beyond / (std::pow(a, 5) * (1.6 - 16. / 15 * a) - std::pow(b, 5) * (0.1 - b / 15));
+}
+
 /// Cells in the directions in which nothing repeats: about what the fluid fills now, twice, so that it has
 /// room to spread before far particles share cells.
 FluidLattice lattice_of(const Scene& scene, const Model& model, double reach, std::uint32_t particles) {
@@ -111,6 +122,7 @@ FluidModel fluid_model(const Scene& scene, const Model& model) {
   fluid.places = (fluid.sorted() + slice_width - 1) / slice_width * slice_width;
   fluid.reach = scene.fluid.horizon * model.spacing;
   fluid.smoothing = {fluid.reach, static_cast<int>(model.dimension)};
+  fluid.wall_share = wall_share(fluid.smoothing, model.spacing);
   std::vector<std::uint32_t> index(scene.materials.size(), 0);
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {
     if (!scene.materials[m].fluid()) continue;

@@ -37,6 +37,9 @@ struct FluidModel {
   Smoothing smoothing;
   double reach = 0; ///< m: the smoothing functions' support
   FluidLattice lattice;
+  /// Of the cubic spline's integral beyond a wall: with it a lattice that begins half a spacing from the wall
+  /// is as dense there as inside.
+  double wall_share = 1;
   std::uint32_t rows = 0;                ///< that a list has room for
   std::vector<FluidConstants> constants; ///< of each fluid material, in the scene's order
   std::vector<Ghost> ghosts;             ///< numbered behind the particles

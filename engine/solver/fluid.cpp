@@ -39,14 +39,6 @@ constexpr double relaxation = 0.5;
 // steps.
 constexpr double largest_error = 0.25;
 
-/// To where there are ghosts fluids stick by viscosity: being held where they touch too would thicken the
-/// wall.
-Scene with_slip(Scene scene, const std::vector<Ghost>& ghosts) {
-  if (!ghosts.empty())
-    for (Boundary& boundary : scene.boundaries) boundary.slip = true;
-  return scene;
-}
-
 bool moves(const Boundary& boundary) {
   const Motion& motion = boundary.motion;
   return motion.rate != 0 || !motion.velocity.isZero(0) || motion.release.value_or(false);
@@ -57,8 +49,7 @@ bool moves(const Boundary& boundary) {
 Fluid::Fluid(Device& device, const Scene& scene, const Model& model, const Plan& plan, SimulationState& state,
              const Vector3& scene_origin)
     : device_(device), scene_(scene), state_(state), watched_(plan.statistics),
-      plan_(plan_fluid(scene, model, plan.statistics)),
-      obstacles_(with_slip(scene, plan_.model.ghosts), model.spacing / 2, model.spacing) {
+      plan_(plan_fluid(scene, model, plan.statistics)), obstacles_(scene, plan_.model.reach, model.spacing) {
   for (const BufferSpec& spec : plan_.buffers)
     buffers_.emplace(spec.name, device.allocate(spec.name, spec.type, spec.count));
   origin_ = plan_.model.lattice.base;
@@ -74,10 +65,17 @@ Fluid::Fluid(Device& device, const Scene& scene, const Model& model, const Plan&
   forces_ = std::make_unique<FluidForces>(device_, scene_, *this, origin_);
   if (!plan_.walls) return;
   still_ = std::none_of(scene.boundaries.begin(), scene.boundaries.end(), moves);
-  if (still_) device_.upload(buffer("obstacle"), obstacles_.table(0, 0, origin_));
+  if (still_) device_.upload(buffer("obstacle"), obstacle_rows(0, 0));
   if (!plan_.meshes) return;
   device_.upload(buffer("obstacle_grid"), obstacles_.grid_table());
   device_.upload(buffer("grid_distance"), obstacles_.take_distances());
+}
+
+std::vector<Real4<double>> Fluid::obstacle_rows(double begin, double end) const {
+  std::vector<Real4<double>> rows = obstacles_.table(begin, end, origin_);
+  for (const Ghost& ghost : plan_.model.ghosts)
+    rows[std::size_t{OBSTACLE_ROWS} * ghost.boundary + OBSTACLE_KIND].z = OBSTACLE_GHOSTS;
+  return rows;
 }
 
 BufferStorage* Fluid::buffer(const std::string& name) const {
@@ -120,7 +118,7 @@ template <class Args> void Fluid::in_flight(Args& args, double step) const {
 void Fluid::advance(double time, double step) {
   if (plan_.walls && !still_) {
     device_.enter("boundaries");
-    device_.upload(buffer("obstacle"), obstacles_.table(time, time + step, origin_));
+    device_.upload(buffer("obstacle"), obstacle_rows(time, time + step));
   }
   forces_->move_ghosts(time, time + step);
   find(step);
@@ -187,7 +185,11 @@ void Fluid::find(double step) {
 }
 
 void Fluid::shift() {
-  kernels::fluid_shift::Args args{.threads = plan_.model.places, .rows = plan_.model.rows};
+  kernels::fluid_shift::Args args{
+      .threads = plan_.model.places, .walls = plan_.walls, .rows = plan_.model.rows};
+  args.fluid_material = buffer("fluid_material");
+  args.fluid_velocity = buffer("fluid_velocity");
+  args.fluid_wall = buffer("fluid_wall");
   args.support = plan_.model.smoothing.support;
   args.slope_scale = plan_.model.smoothing.spline_gradient();
   in_period(args);
@@ -207,11 +209,14 @@ void Fluid::project() {
                                            .meshes = plan_.meshes,
                                            .obstacles = obstacles_.count(),
                                            .radius = plan_.model.reach / scene_.fluid.horizon / 2,
+                                           .support = plan_.model.smoothing.support,
+                                           .share = plan_.model.wall_share,
                                            .obstacle = buffer("obstacle"),
                                            .grid = buffer("obstacle_grid"),
                                            .fluid_start = buffer("fluid_start"),
                                            .grid_distance = buffer("grid_distance"),
-                                           .fluid_place = buffer("fluid_place")});
+                                           .fluid_place = buffer("fluid_place"),
+                                           .fluid_wall = buffer("fluid_wall")});
   device_.enter("density");
 }
 
@@ -219,7 +224,8 @@ namespace {
 
 kernels::fluid_lambda::Args lambda_args(const Fluid& fluid) {
   const FluidModel& model = fluid.plan().model;
-  kernels::fluid_lambda::Args args{.threads = model.places, .rows = model.rows};
+  kernels::fluid_lambda::Args args{.threads = model.places, .walls = fluid.plan().walls, .rows = model.rows};
+  args.fluid_wall = fluid.buffer("fluid_wall");
   args.support = model.smoothing.support;
   args.value_scale = model.smoothing.spline();
   args.slope_scale = model.smoothing.spline_gradient();
@@ -238,6 +244,7 @@ kernels::fluid_lambda::Args lambda_args(const Fluid& fluid) {
 } // namespace
 
 void Fluid::density(double step) {
+  project();
   device_.enter("density");
   device_.run(kernels::fluid_warm::Args{.threads = plan_.model.places,
                                         .share = warm_share * step * step,

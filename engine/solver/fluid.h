@@ -66,6 +66,7 @@ private:
   template <class Args> void in_lattice(Args& args) const;
   template <class Args> void in_period(Args& args) const;
   template <class Args> void in_flight(Args& args, double step) const;
+  std::vector<Real4<double>> obstacle_rows(double begin, double end) const;
   void find(double step);
   void density(double step);
   void shift();

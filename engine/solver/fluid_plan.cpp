@@ -28,6 +28,7 @@ FluidPlan plan_fluid(const Scene& scene, const Model& model, bool statistics) {
   plan.model = fluid_model(scene, model);
   const std::size_t n = plan.model.count, places = plan.model.places, sorted = plan.model.sorted();
   if (n == 0) return plan;
+  plan.walls = !scene.boundaries.empty();
   std::string component;
   const auto buffer = [&](const char* name, Type type, std::size_t count) {
     plan.buffers.push_back({name, type, count, component});
@@ -66,27 +67,27 @@ FluidPlan plan_fluid(const Scene& scene, const Model& model, bool statistics) {
   buffer("fluid_total", Type::real, places);
   buffer("fluid_shift", Type::real4, places);
   kernel(kernels::fluid_warm::Args{});
-  kernel(kernels::fluid_lambda::Args{});
-  kernel(kernels::fluid_shift::Args{});
+  kernel(kernels::fluid_lambda::Args{.walls = plan.walls});
+  kernel(kernels::fluid_shift::Args{.walls = plan.walls});
   kernel(kernels::fluid_speed::Args{});
   kernel(kernels::fluid_finish::Args{.bounded = scene.domain.given});
   if (statistics) {
     buffer("fluid_measure", Type::real4, places);
     buffer("fluid_row", Type::real, std::size_t{8} * statistics_rows);
-    kernel(kernels::fluid_lambda::Args{.measured = 1});
+    kernel(kernels::fluid_lambda::Args{.measured = 1, .walls = plan.walls});
     kernel(kernels::fluid_sum::Args{});
   }
 
   component = "boundaries";
-  plan.walls = !scene.boundaries.empty();
   if (plan.walls) {
-    const Obstacles obstacles(scene, model.spacing / 2, model.spacing, true);
+    const Obstacles obstacles(scene, plan.model.reach, model.spacing, true);
     plan.meshes = obstacles.meshes();
     buffer("obstacle", Type::real4, std::size_t{OBSTACLES} * OBSTACLE_ROWS);
     if (plan.meshes) {
       buffer("obstacle_grid", Type::uint4, OBSTACLES);
       buffer("grid_distance", Type::real, obstacles.grid_nodes());
     }
+    buffer("fluid_wall", Type::real4, places);
     kernel(kernels::fluid_project::Args{.meshes = plan.meshes});
   }
   plan.forces = plan_forces(scene, model, plan.model);

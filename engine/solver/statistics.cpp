@@ -156,6 +156,7 @@ std::vector<StepStatistics> Simulation::take_statistics(bool wait) {
       next.removed = static_cast<std::size_t>(std::lround(real_at(sums, 4, wide)));
       next.neighbours_dropped = static_cast<std::size_t>(std::lround(real_at(sums, 5, wide)));
       next.lists_full = static_cast<std::size_t>(std::lround(real_at(sums, 6, wide)));
+      next.residual = real_at(sums, 7, wide);
     }
     if (pending_.front().forces) {
       const bool wide = device_.info().precision == Precision::double_precision;

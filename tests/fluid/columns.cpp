@@ -22,15 +22,15 @@ Points standing(int nx, int ny, int nz, double spacing) {
 TEST(FluidColumn, StandsStill) {
   const double spacing = 0.02;
   const int width = 7, height = 20;
-  Stage stage = fluid_stage(standing(width, height, width, spacing), spacing, 1. / 200);
+  Stage stage = fluid_stage(standing(width, height, width, spacing), spacing, 1. / 250);
   stage.scene.simulation.gravity = {0, -9.81, 0};
   stage.scene.boundaries = {wall({0, 1, 0})};
   repeat(stage.scene, {0, -1, 0}, {width * spacing, 2, width * spacing}, {true, false, true});
   const auto device = open_alone({"openmp_float", "openmp", Precision::single_precision});
   Simulation simulation(*device, stage.scene, stage.model);
-  for (int k = 0; k < 1000; ++k) {
+  for (int k = 0; k < 1250; ++k) {
     simulation.step();
-    if (k % 50 == 49 && k < 950) simulation.take_statistics();
+    if (k % 50 == 49 && k < 1200) simulation.take_statistics();
   }
   double error = 0, largest = 0, kinetic = 0;
   const std::vector<StepStatistics> rows = simulation.take_statistics();

@@ -1,12 +1,8 @@
-// Fluids: cells, lists of neighbours, and the sweeps of the density constraint.
+// Fluids: cells, lists of neighbours, and the sweeps of the density constraint. What else a step is made of:
+// fluid_step_test.cpp.
 #include "engine/model/smoothing.h"
-#include "kernels/fluid_finish.h"
 #include "kernels/fluid_lambda.h"
-#include "kernels/fluid_project.h"
 #include "kernels/fluid_shift.h"
-#include "kernels/fluid_sum.h"
-#include "kernels/fluid_warm.h"
-#include "shaders/common/contact.glsl"
 #include "shaders/common/fluid.glsl"
 #include "tests/support/fluids.h"
 #include "tests/support/kernel_particles.h"
@@ -98,6 +94,7 @@ struct Sweep {
   double rest = 0;
   Vector3 period = Vector3::Zero();
   std::vector<std::vector<std::size_t>> near;
+  std::vector<double> wall; ///< groups of four: gradient of what walls add, 1/m, and that; empty: no walls
   Values in;
 
   explicit Sweep(unsigned seed, bool repeats = false) {
@@ -126,7 +123,7 @@ struct Sweep {
     double sum = std::abs(mass[i]) * factor * smoothing.spline_value(0);
     for (std::size_t j = 0; j < count; ++j)
       if (j != i) sum += std::abs(mass[j]) * factor * smoothing.spline_value(between(i, j).norm());
-    return sum / rest - 1;
+    return sum / rest - 1 + (wall.empty() ? 0 : wall[4 * i + 3]);
   }
   /// grad_k C_i
   Vector3 gradient(std::size_t k, std::size_t i) const {
@@ -138,10 +135,17 @@ struct Sweep {
                                             : Vector3(Vector3::Zero());
     };
     if (k != i) return -std::abs(mass[k]) / rest * slope(k);
-    Vector3 sum = Vector3::Zero();
+    Vector3 sum = wall.empty() ? Vector3(Vector3::Zero()) : vector_at(wall, i);
     for (std::size_t j = 0; j < count; ++j)
       if (j != i) sum += std::abs(mass[j]) / rest * slope(j);
     return sum;
+  }
+
+  void put_walls() {
+    Random random(18);
+    wall = random_groups(random, places, 0.25);
+    in["walls"] = {1};
+    in["fluid_wall"] = wall;
   }
 
 private:
@@ -206,8 +210,10 @@ constexpr double sweep_limit = 20;
 
 TEST_P(FluidKernels, MultipliersFollowTheConstraint) {
   for (const bool repeats : {false, true}) {
-    const Sweep sweep(11, repeats);
+    Sweep sweep(11, repeats);
+    if (repeats) sweep.put_walls();
     Values in = only(sweep.in, lambda_inputs);
+    if (repeats) in.merge(only(sweep.in, {"walls", "fluid_wall"}));
     in["fluid_total"] = std::vector<double>(sweep.places, 0.0);
     in["fluid_lambda"] = std::vector<double>(sweep.places, sentinel);
     Expected total(in["fluid_total"]), change(in["fluid_lambda"]);
@@ -290,6 +296,10 @@ TEST_P(FluidKernels, ShiftsConserveTheCentreOfMass) {
     Random random(15);
     Values in = only(sweep.in, {"rows", "support", "slope_scale", "period_x", "period_y", "period_z",
                                 "fluid_place", "near_count", "near"});
+    if (repeats) {
+      sweep.put_walls();
+      in.merge(only(sweep.in, {"walls", "fluid_wall", "fluid_velocity", "fluid_material"}));
+    }
     in["fluid_lambda"] = std::vector<double>(sweep.places, 0.0);
     for (std::size_t i = 0; i < sweep.count; ++i)
       if (sweep.mass[i] > 0) in["fluid_lambda"][i] = rounded(-1e-5 * (1 + random()));
@@ -325,124 +335,6 @@ TEST_P(FluidKernels, ShiftsConserveTheCentreOfMass) {
     expect_below("sum of m dy over sum of m |dy|, in roundings of the places",
                  sum.norm() / sizes / (GetParam().epsilon() * 1.0 / (sizes / double(sweep.count))), 10);
   }
-}
-
-TEST_P(FluidKernels, StartWithAShareOfTheLast) {
-  Values in{{"share", {0.75}}};
-  Random random(16);
-  const std::size_t size = 129;
-  in["fluid_start"] = random_groups(random, size, 1);
-  in["fluid_lambda"] = in["fluid_total"] = guarded(std::vector<double>(size, sentinel), 1);
-  Expected lambda(in["fluid_lambda"]);
-  for (std::size_t i = 0; i < size; ++i) lambda.set(i, 0.75 * std::min(in["fluid_start"][4 * i + 3], 0.0), 1);
-  expect_kernel<kernels::fluid_warm::Args>(GetParam(), size, in,
-                                           {{"fluid_lambda", lambda}, {"fluid_total", lambda}}, 1);
-}
-
-TEST_P(FluidKernels, RowsAreSums) {
-  for (const std::size_t size : awkward_sizes) {
-    Random random(17);
-    Values in{{"place_count", {double(size)}},
-              {"particle_count", {double(size)}},
-              {"row", {1}},
-              {"left_out", {5, 3}}};
-    double inside = 0, error = 0, largest = -1, steep = 0, removed = 0;
-    for (std::size_t i = 0; i < size; ++i) {
-      const bool real_one = i % 5 != 4;
-      const double row[] = {random(), rounded(1 + random()), i % 3 == 0 ? 1.0 : 0.0, real_one ? 1.0 : 0.0};
-      in["fluid_measure"].insert(in["fluid_measure"].end(), row, row + 4);
-      in["position"].insert(in["position"].end(),
-                            {not_a_number, not_a_number, not_a_number, i % 4 == 2 ? 0.0 : 2.0});
-      removed += i % 4 == 2;
-      if (!real_one) continue;
-      inside += row[2], error += row[2] * std::abs(row[0]), steep += row[1];
-      largest = std::max(largest, row[0]);
-    }
-    in["fluid_row"] = std::vector<double>(24, sentinel);
-    Expected row(in["fluid_row"]);
-    const double wanted[] = {inside, error, largest, steep, removed, 5, 3, 0};
-    for (std::size_t k = 0; k < 8; ++k) row.set(8 + k, wanted[k], k == 1 || k == 3 ? wanted[k] : 0);
-    expect_kernel<kernels::fluid_sum::Args>(GetParam(), kernels::fluid_sum::group_size, in,
-                                            {{"fluid_row", row}}, 16);
-  }
-}
-
-// Out of a floor and a ball to the distance asked, along the shortest way; friction takes back what slid.
-TEST_P(FluidKernels, ObstaclesPushOut) {
-  const double radius = 0.0625, friction = 0.5;
-  std::vector<double> table(4 * OBSTACLES * OBSTACLE_ROWS, 0.0);
-  const auto row = [&](int obstacle, int at, std::array<double, 4> values) {
-    std::copy(values.begin(), values.end(), table.begin() + 4 * (OBSTACLE_ROWS * obstacle + at));
-  };
-  for (int o = 0; o < 2; ++o)
-    for (int a = 0; a < 3; ++a)
-      row(o, OBSTACLE_AXES + a, {a == 0 ? 1.0 : 0, a == 1 ? 1.0 : 0, a == 2 ? 1.0 : 0, 0});
-  row(0, OBSTACLE_KIND, {OBSTACLE_PLANE, friction, 0, 0});
-  row(0, OBSTACLE_CENTRE, {0, 0, 0, rounded(1e18)});
-  row(1, OBSTACLE_KIND, {OBSTACLE_SPHERE, 0, 1, 0});
-  row(1, OBSTACLE_CENTRE, {0, 2, 0, 1});
-  row(1, OBSTACLE_SIZE, {0.5, 0, 0, 0});
-  Values in{{"obstacles", {2}}, {"radius", {radius}}, {"obstacle", table}};
-  const std::vector<std::array<double, 8>> cases = {
-      // y*                      start            (w: mass)
-      {0.25, 0.5, 0, 1, 0, 0, 0, 0},     // free
-      {0.25, -0.1875, 0, 1, 0, 0, 0, 0}, // in the floor: 0.25 deep, slid 0.25, of which friction takes 0.125
-      {0.0625, -0.4375, 0, 1, 0, 0, 0, 0}, // slid less than friction holds
-      {0.25, 2, 0, 1, 0.25, 2, 0.125, 0},  // in the ball, which does not slip
-      {0.25, -1, 0, -1, 0, 0, 0, 0},       // a ghost stays
-      {0.25, -1, 0, 0, 0, 0, 0, 0}};       // nothing
-  for (const auto& one : cases) {
-    in["fluid_place"].insert(in["fluid_place"].end(), one.begin(), one.begin() + 4);
-    in["fluid_start"].insert(in["fluid_start"].end(), one.begin() + 4, one.end());
-  }
-  Expected place(in["fluid_place"]);
-  const std::vector<std::array<double, 3>> wanted = {{0.25, 0.5, 0},     {0.125, 0.0625, 0}, {0, 0.0625, 0},
-                                                     {0.5625, 2, 0.125}, {0.25, -1, 0},      {0.25, -1, 0}};
-  for (std::size_t i = 0; i < wanted.size(); ++i)
-    for (std::size_t a = 0; a < 3; ++a) place.set(4 * i + a, wanted[i][a], 1);
-  expect_kernel<kernels::fluid_project::Args>(GetParam(), std::uint32_t(cases.size()), in,
-                                              {{"fluid_place", place}}, 8);
-}
-
-// Beyond a side that repeats a particle comes in on the other; beyond another it is removed, and stays so.
-TEST_P(FluidKernels, DomainsRepeatOrEnd) {
-  Values in{{"bounded", {1}},
-            {"time_step", {0.25}},
-            {"base_x", {1}},
-            {"base_y", {0}},
-            {"base_z", {0}},
-            {"low_x", {0}},
-            {"low_y", {0}},
-            {"low_z", {-1}},
-            {"high_x", {2}},
-            {"high_y", {2}},
-            {"high_z", {1}},
-            {"period_x", {2}},
-            {"period_y", {0}},
-            {"period_z", {2}},
-            {"fluid_kind", {0, 1, 0, 1, 0}},
-            {"origin", {1, 0, 0, 0, 0.5, 0, 0, 0}},
-            {"fluid_particle", {4, 2, 0, 1, 3}}};
-  in["fluid_place"] = {0.5, 1, 0,      2,   /**/ 2.25, 1, -1.5,   2, /**/ -0.25, 1,
-                       0,   2, /**/ 1, 2.5, 0,         2, /**/ 1, 1, 0,          0};
-  in["fluid_velocity"] = std::vector<double>(20, 0.5);
-  in["fluid_total"] = {-1, -2, -3, -4, -5};
-  in["position"] = in["velocity"] = std::vector<double>(20, sentinel);
-  Expected position(in["position"]), velocity(in["velocity"]);
-  const auto set = [](Expected& to, std::size_t i, std::array<double, 4> values) {
-    for (std::size_t k = 0; k < 4; ++k) to.set(4 * i + k, values[k], 1);
-  };
-  // Body 0 is at 1 and places count from 1; body 1 is at 0.5.
-  set(position, 4, {0.5, 1, 0, 2});
-  set(position, 2, {0.25, 1, 0.5, 2});
-  set(position, 0, {1.75, 1, 0, 2});
-  set(position, 1, {1.5, 2.5, 0, 0});
-  set(velocity, 4, {0.5, 0.5, 0.5, -16});
-  set(velocity, 2, {0.5, 0.5, 0.5, -32});
-  set(velocity, 0, {0.5, 0.5, 0.5, -48});
-  set(velocity, 1, {0, 0, 0, -64});
-  expect_kernel<kernels::fluid_finish::Args>(GetParam(), 5, in,
-                                             {{"position", position}, {"velocity", velocity}}, 4);
 }
 
 } // namespace

@@ -17,8 +17,7 @@ template <class real> void fluid_lambda(const kernels::fluid_lambda::View<real>&
     Wide<real> sum = magnitudes<real>(place.w) * spline_value(none), squares{};
     Wide3<real> gradient{};
     for_each_near(k, part, place, [&](const uint*, const Wide4<real>& d, WideMask<real> self) {
-      Wide<real> q = root_wide<real>(d.x * d.x + d.y * d.y + d.z * d.z) * per_support;
-      q = q < 1 ? q : none + 1;
+      const Wide<real> q = root_wide<real>(d.x * d.x + d.y * d.y + d.z * d.z) * per_support;
       const Wide<real> mass = magnitudes<real>(d.w), slope = spline_slope(q);
       const Wide<real> value = mass * spline_value(q);
       sum += self ? none : value;
@@ -35,7 +34,13 @@ template <class real> void fluid_lambda(const kernels::fluid_lambda::View<real>&
       softness[lane] = rows[FLUID_LIMITS].x, most[lane] = rows[FLUID_LIMITS].y;
       edge[lane] = rows[FLUID_LIMITS].z;
     }
-    const Wide<real> error = k.value_scale * sum / rest - 1;
+    Wide<real> error = k.value_scale * sum / rest - 1;
+    if (k.walls) {
+      const Wide4<real> wall = gather(k.fluid_wall, part.index);
+      const Wide<real> scale = rest / k.slope_scale;
+      error += wall.w;
+      gradient.x += scale * wall.x, gradient.y += scale * wall.y, gradient.z += scale * wall.z;
+    }
     if (k.measured) {
       const Wide<real> steep2 = k.slope_scale * k.slope_scale * dot(gradient, gradient), one = none + 1;
       store(k.fluid_measure + first, part.count,

@@ -7,10 +7,22 @@ namespace pliant::openmp::PLIANT_ISA {
 
 namespace {
 
-/// What an obstacle does to a particle at y that began the step at `start`.
+/// The share of the cubic spline that lies beyond a plane at x supports, and its derivative: integrals of
+/// 16 q (2 (1 - q)^3 - (1 - 2 q)^3), the plane's rings, over the parts where each term is.
+template <class real> struct Beyond {
+  real share, slope;
+  PLIANT_INLINE explicit Beyond(real x) {
+    const real a = larger(1 - x, real(0)), b = larger(1 - 2 * x, real(0));
+    const real a4 = a * a * a * a, b4 = b * b * b * b;
+    share = a4 * a * (real(1.6) - a * 16 / 15) - b4 * b * (real(0.1) - b / 15);
+    slope = b4 * (1 - real(0.8) * b) - a4 * (8 - real(6.4) * a);
+  }
+};
+
+/// What an obstacle does to a particle at y that began the step at `start`; adds to `wall`.
 template <class real>
 PLIANT_INLINE Vec3<real> pushed(const kernels::fluid_project::View<real>& k, uint o, Vec3<real> y,
-                                Vec3<real> start) {
+                                Vec3<real> start, Real4<real>& wall) {
   const auto* rows = k.obstacle + OBSTACLE_ROWS * o;
   const auto traits = rows[OBSTACLE_KIND], place = rows[OBSTACLE_CENTRE], size = rows[OBSTACLE_SIZE];
   const Vec3<real> from = y - xyz(place);
@@ -26,19 +38,24 @@ PLIANT_INLINE Vec3<real> pushed(const kernels::fluid_project::View<real>& k, uin
                                 ? mesh_distance(p, Vec3<real>{axes[0].w, axes[1].w, axes[2].w}, size.w,
                                                 k.grid[o], k.grid_distance, container)
                                 : shape_distance(kind, p, xyz(size));
-  const real sense = container ? real(-1) : real(1), depth = k.radius - sense * reach.d;
-  if (!(depth > 0)) return y;
-  const Vec3<real> n = reach.normal;
-  const Vec3<real> gradient =
-      sense * Vec3<real>{dot(xyz(axes[0]), n), dot(xyz(axes[1]), n), dot(xyz(axes[2]), n)};
+  const real away = container ? -reach.d : reach.d, depth = k.radius - away;
+  if (!(away < k.support)) return y;
+  const Vec3<real> n = (container ? real(-1) : real(1)) * reach.normal;
+  const Vec3<real> gradient{dot(xyz(axes[0]), n), dot(xyz(axes[1]), n), dot(xyz(axes[2]), n)};
   const real steep2 = dot(gradient, gradient);
   if (!(steep2 > 0)) return y;
+  const Beyond<real> beyond(larger(away, k.radius) / k.support);
+  const real slope = k.share * beyond.slope / (k.support * root(steep2));
+  if (traits.z != OBSTACLE_GHOSTS)
+    wall = {wall.x + slope * gradient.x, wall.y + slope * gradient.y, wall.z + slope * gradient.z,
+            wall.w + k.share * beyond.share};
+  if (!(depth > 0)) return y;
   const Vec3<real> push = (depth / steep2) * gradient;
   const Vec3<real> carried{dot(xyz(shift[0]), from) + shift[0].w, dot(xyz(shift[1]), from) + shift[1].w,
                            dot(xyz(shift[2]), from) + shift[2].w};
   Vec3<real> slide = (y - start) - carried;
   slide = slide - (dot(gradient, slide) / steep2) * gradient;
-  const real slid = norm(slide), held = traits.z != 0 ? slid : smaller(slid, traits.y * norm(push));
+  const real slid = norm(slide), held = traits.z == 1 ? slid : smaller(slid, traits.y * norm(push));
   const Vec3<real> out = y + push;
   return held > 0 ? out - (held / slid) * slide : out;
 }
@@ -49,11 +66,14 @@ template <class real> void fluid_project(const kernels::fluid_project::View<real
 #pragma omp parallel for schedule(static)
   for (uint i = 0; i < k.threads; ++i) {
     const auto end = k.fluid_place[i];
-    if (!(end.w > 0)) continue;
-    const Vec3<real> start = xyz(k.fluid_start[i]);
-    Vec3<real> y = xyz(end);
-    for (uint o = 0; o < k.obstacles; ++o) y = pushed(k, o, y, start);
-    k.fluid_place[i] = {y.x, y.y, y.z, end.w};
+    Real4<real> wall{0, 0, 0, 0};
+    if (end.w > 0) {
+      const Vec3<real> start = xyz(k.fluid_start[i]);
+      Vec3<real> y = xyz(end);
+      for (uint o = 0; o < k.obstacles; ++o) y = pushed(k, o, y, start, wall);
+      k.fluid_place[i] = {y.x, y.y, y.z, end.w};
+    }
+    k.fluid_wall[i] = wall;
   }
 }
 

@@ -6,7 +6,8 @@
 namespace pliant::openmp::PLIANT_ISA {
 
 template <class real> void fluid_sum(const kernels::fluid_sum::View<real>& k) {
-  double inside = 0, error = 0, steep = 0; // one thread: the same bits for any number of them
+  double inside = 0, error = 0, steep = 0, excess = 0,
+         all = 0; // one thread: the same bits for any number of them
   real largest = -1;
   uint removed = 0;
   for (std::size_t i = 0; i < k.place_count; ++i) {
@@ -15,6 +16,8 @@ template <class real> void fluid_sum(const kernels::fluid_sum::View<real>& k) {
     inside += static_cast<double>(seen.z);
     error += static_cast<double>(seen.z * magnitude(seen.x));
     steep += static_cast<double>(seen.y);
+    excess += static_cast<double>(larger(seen.x, real(0)));
+    all += 1;
     largest = larger(largest, seen.x);
   }
   for (std::size_t i = 0; i < k.particle_count; ++i) removed += k.position[i].w == 0;
@@ -26,7 +29,7 @@ template <class real> void fluid_sum(const kernels::fluid_sum::View<real>& k) {
   to[4] = static_cast<real>(removed);
   to[5] = static_cast<real>(k.left_out[0]);
   to[6] = static_cast<real>(k.left_out[1]);
-  to[7] = 0;
+  to[7] = static_cast<real>(all > 0 ? excess / all : 0);
 }
 
 PLIANT_BODY(fluid_sum)
