@@ -10,7 +10,7 @@ void main() {
   uint k = thread_index();
   if (k >= threads) return;
   vec4 place = fluid_place[k];
-  if (!(place.w != 0.0)) return; // removed before
+  if (!(place.w > 0.0)) return; // removed before, or a ghost
   uint i = fluid_particle[k];
   vec3 v = fluid_velocity[k].xyz;
 #if bounded

@@ -5,8 +5,9 @@ void main() {
   uint place = thread_index();
   if (place >= threads) return;
   vec4 y = vec4(0.0), at = vec4(1e15, 1e15, 1e15, 0.0), v = vec4(0.0);
-  if (place < particle_count) {
-    uint i = fluid_particle[place], kind = fluid_kind[i];
+  uint i = place < particle_count + ghost_count ? fluid_particle[place] : particle_count;
+  if (i < particle_count) {
+    uint kind = fluid_kind[i];
     vec4 old = position[i], before = velocity[i];
     y = vec4((origin[kind & FLUID_BODY].xyz - vec3(base_x, base_y, base_z)) + old.xyz, before.w);
     v = vec4(before.xyz + time_step * vec3(gravity_x, gravity_y, gravity_z), float(kind >> FLUID_KIND_SHIFT));

@@ -61,14 +61,14 @@ void main() {
     float steep2 = dot(gradient, gradient);
     if (!(steep2 > 0.0)) continue;
     float x = max(away, radius) / support;
-    wall += share * vec4(beyond_slope(x) / (support * sqrt(steep2)) * gradient, beyond(x));
+    if (traits.z != float(OBSTACLE_GHOSTS)) wall += share * vec4(beyond_slope(x) / (support * sqrt(steep2)) * gradient, beyond(x));
     if (!(depth > 0.0)) continue;
     vec4 s0 = obstacle[row + OBSTACLE_SHIFT], s1 = obstacle[row + OBSTACLE_SHIFT + 1],
          s2 = obstacle[row + OBSTACLE_SHIFT + 2];
     vec3 push = depth / steep2 * gradient;
     vec3 slide = (y - start) - vec3(dot(s0.xyz, from) + s0.w, dot(s1.xyz, from) + s1.w, dot(s2.xyz, from) + s2.w);
     slide -= dot(gradient, slide) / steep2 * gradient;
-    float slid = length(slide), held = traits.z != 0.0 ? slid : min(slid, traits.y * length(push));
+    float slid = length(slide), held = traits.z == 1.0 ? slid : min(slid, traits.y * length(push));
     y += push;
     if (held > 0.0) y -= held / slid * slide;
   }

@@ -25,6 +25,8 @@ constexpr const char* plastic_columns = ",yielding,plastic_work,plastic_strain,p
                                         "plastic_rounds,yield_excess";
 constexpr const char* fluid_columns = ",density_error,largest_density_error,density_slope,removed";
 
+constexpr const char* force_columns = ",viscosity_iterations,viscosity_residual,unevenness";
+
 std::string header_of(const std::filesystem::path& path, const std::vector<std::string>& components,
                       bool energies) {
   std::string header =
@@ -42,6 +44,11 @@ std::string header_of(const std::filesystem::path& path, const std::vector<std::
   if (std::find(components.begin(), components.end(), "plasticity") != components.end())
     header += plastic_columns;
   if (std::find(components.begin(), components.end(), "density") != components.end()) header += fluid_columns;
+  for (const char* component : {"viscosity", "redistribution"})
+    if (std::find(components.begin(), components.end(), component) != components.end()) {
+      header += force_columns;
+      break;
+    }
   return header + "\n";
 }
 
@@ -128,6 +135,7 @@ void StatisticsWriter::append(const StatisticsRow& row) {
   if (row.fluid)
     line +=
         fmt::format(",{},{},{},{:.0f}", (*row.fluid)[0], (*row.fluid)[1], (*row.fluid)[2], (*row.fluid)[3]);
+  if (row.forces) line += fmt::format(",{:.0f},{},{}", (*row.forces)[0], (*row.forces)[1], (*row.forces)[2]);
   write(line + "\n");
 }
 
@@ -143,8 +151,9 @@ std::vector<StatisticsRow> read_statistics(const std::filesystem::path& path) {
     line.resize(line.size() - columns.size());
     return true;
   };
-  const bool fluid = ends_in(fluid_columns), plastic = ends_in(plastic_columns),
-             energies = ends_in(energy_columns), fracture = ends_in(fracture_columns);
+  const bool forces = ends_in(force_columns), fluid = ends_in(fluid_columns),
+             plastic = ends_in(plastic_columns), energies = ends_in(energy_columns),
+             fracture = ends_in(fracture_columns);
   while (std::getline(text, line) && !text.eof()) {
     std::vector<std::string> cells(1);
     for (const char c : line)
@@ -173,6 +182,12 @@ std::vector<StatisticsRow> read_statistics(const std::filesystem::path& path) {
                       {number(7), number(8), number(9)},
                       number(10),
                       {}};
+    if (forces) {
+      if (cells.size() < plain_columns + 3) throw damaged();
+      row.forces.emplace();
+      for (std::size_t c = 0; c < 3; ++c) (*row.forces)[c] = number(cells.size() - 3 + c);
+      cells.resize(cells.size() - 3);
+    }
     if (fluid) {
       if (cells.size() < plain_columns + 4) throw damaged();
       row.fluid.emplace();

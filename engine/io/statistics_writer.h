@@ -31,6 +31,9 @@ struct StatisticsRow {
   /// Scenes of fluids, the last: mean density error inside, the largest, sum of |grad rho|^2, particles
   /// removed so far.
   std::optional<std::array<double, 4>> fluid = std::nullopt;
+  /// Where fluids have viscosity or redistribution, after those: iterations and relative residual of the
+  /// former, mean (support |grad rho| / rho)^2 inside.
+  std::optional<std::array<double, 3>> forces = std::nullopt;
 };
 
 class StatisticsWriter {

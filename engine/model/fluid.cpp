@@ -117,7 +117,9 @@ FluidModel fluid_model(const Scene& scene, const Model& model) {
   for (const LawRange& range : model.laws)
     if (range.law == Law::fluid) fluid.first = range.first, fluid.count = range.count;
   if (fluid.count == 0) return fluid;
-  fluid.places = (fluid.count + slice_width - 1) / slice_width * slice_width;
+  fluid.ghosts = sample_ghosts(scene, model);
+  fluid.spacing = model.spacing;
+  fluid.places = (fluid.sorted() + slice_width - 1) / slice_width * slice_width;
   fluid.reach = scene.fluid.horizon * model.spacing;
   fluid.smoothing = {fluid.reach, static_cast<int>(model.dimension)};
   fluid.wall_share = wall_share(fluid.smoothing, model.spacing);

@@ -7,6 +7,7 @@
 // repeats has a whole number of cells a period.
 #pragma once
 
+#include "engine/model/ghosts.h"
 #include "engine/model/model.h"
 #include "engine/model/smoothing.h"
 
@@ -41,6 +42,9 @@ struct FluidModel {
   double wall_share = 1;
   std::uint32_t rows = 0;                ///< that a list has room for
   std::vector<FluidConstants> constants; ///< of each fluid material, in the scene's order
+  std::vector<Ghost> ghosts;             ///< numbered behind the particles
+  double spacing = 0;                    ///< m
+  std::uint32_t sorted() const { return count + static_cast<std::uint32_t>(ghosts.size()); }
   std::vector<std::uint32_t> kind;       ///< of each particle: body, and from bit 24 on its fluid material
 };
 

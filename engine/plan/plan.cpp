@@ -69,8 +69,15 @@ public:
     buffer("velocity", Type::real4, n_);
     buffer("origin", Type::real4, model_.bodies.size());
     const FluidPlan needs = plan_fluid(scene_, model_, plan_.statistics);
-    for (const char* component : {"neighbours", "density", "boundaries"}) {
-      begin(component, component != std::string("boundaries") || needs.walls);
+    plan_.fluid_forces = needs.forces.viscous || needs.forces.spread;
+    const std::pair<const char*, bool> components[] = {{"neighbours", true},
+                                                       {"density", true},
+                                                       {"boundaries", needs.walls},
+                                                       {"ghosts", needs.forces.ghosts},
+                                                       {"viscosity", needs.forces.viscous},
+                                                       {"redistribution", needs.forces.spread}};
+    for (const auto& [component, used] : components) {
+      begin(component, used);
       for (const BufferSpec& spec : needs.buffers)
         if (spec.component == component) buffer(spec.name, spec.type, spec.count);
       for (const KernelSpec& spec : needs.kernels)
@@ -79,8 +86,8 @@ public:
   }
 
   void leave_fluid() {
-    begin("neighbours", false);
-    begin("density", false);
+    for (const char* component : {"neighbours", "density", "ghosts", "viscosity", "redistribution"})
+      begin(component, false);
   }
 
   void solver() {

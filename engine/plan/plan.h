@@ -36,7 +36,8 @@ struct Plan {
   /// failure: row of `shape` with the share of the weights that is left; the next counts breaks
   std::uint32_t share_row = 0;
   bool plastic = false;
-  bool fluid = false; ///< and nothing else: no bonds, no solver, no energies
+  bool fluid = false;        ///< and nothing else: no bonds, no solver, no energies
+  bool fluid_forces = false; ///< of them, viscosity or redistribution
   Method method;
   std::shared_ptr<const Hierarchy> hierarchy; ///< null without the multilevel preconditioner
   std::shared_ptr<const DirectPlan> direct;   ///< null without the constant matrix's factor

@@ -237,6 +237,10 @@ bool Run::stretch(Progress& progress) {
          simulation_->plan().fluid
              ? std::optional(std::array{row.density_error, row.largest_density_error, row.density_slope,
                                         static_cast<double>(row.removed)})
+             : std::nullopt,
+         simulation_->plan().fluid_forces
+             ? std::optional(std::array{static_cast<double>(row.viscosity_iterations), row.viscosity_residual,
+                                        row.unevenness})
              : std::nullopt});
   }
   return !rows.empty();
@@ -327,18 +331,29 @@ nlohmann::json Run::record(const std::string& status) const {
 }
 
 nlohmann::json Run::fluid_record() const {
-  std::vector<double> mean, largest;
+  std::vector<double> mean, largest, iterations, residual, unevenness;
   double removed = 0;
   for (const StatisticsRow& row : outputs_->rows()) {
     if (!row.fluid) continue;
     mean.push_back((*row.fluid)[0]);
     largest.push_back((*row.fluid)[1]);
     removed = (*row.fluid)[3];
+    if (!row.forces) continue;
+    iterations.push_back((*row.forces)[0]);
+    residual.push_back((*row.forces)[1]);
+    unevenness.push_back((*row.forces)[2]);
   }
-  return {
+  nlohmann::json j = {
       {"density_error", {{"median", percentile(mean, 0.5)}, {"max", percentile(mean, 1.0)}}},
       {"largest_density_error", {{"median", percentile(largest, 0.5)}, {"max", percentile(largest, 1.0)}}},
       {"removed", removed}};
+  const auto range = [](const std::vector<double>& values) {
+    return nlohmann::json{{"median", percentile(values, 0.5)}, {"max", percentile(values, 1.0)}};
+  };
+  if (iterations.empty()) return j;
+  j["viscosity"] = {{"iterations", range(iterations)}, {"residual", range(residual)}};
+  j["unevenness"] = range(unevenness);
+  return j;
 }
 
 void Run::print(const std::string& text) const {

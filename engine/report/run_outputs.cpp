@@ -42,8 +42,9 @@ RunOutputs::RunOutputs(fs::path folder, const Scene& scene, const Model& model, 
     : folder_(std::move(folder)), scene_(scene), model_(model), simulation_(simulation), video_(video) {
   const Plan& plan = simulation.plan();
   if (!plan.fluid) components_ = {"motion", "elasticity", "solver"}; // as step.cpp books them
-  for (const char* component : {"neighbours", "density", "preconditioner", "direct", "boundaries", "contacts",
-                                "momentum", "failure", "statistics", "divergence"})
+  for (const char* component :
+       {"neighbours", "density", "viscosity", "redistribution", "preconditioner", "direct", "boundaries",
+        "contacts", "momentum", "failure", "statistics", "divergence"})
     if (std::find(plan.used.begin(), plan.used.end(), component) != plan.used.end())
       components_.emplace_back(component);
   if (!pictures) return;

@@ -211,6 +211,8 @@ struct FluidSettings {
   double horizon = 2.1;                   ///< reach of the smoothing functions, spacings
   unsigned density_iterations = 5;        ///< a step
   unsigned redistribution_iterations = 5; ///< a step
+  /// "fickian", "newton", "printed" or "negated"; see fluid_redistribute.decl.
+  std::string redistribution_form = "fickian";
   unsigned viscosity_iterations = 100;    ///< a cap
   double viscosity_tolerance = 1e-3;      ///< relative residual
   std::optional<unsigned> neighbours;     ///< that the list of a particle has room for

@@ -23,6 +23,11 @@ const Table& fluid_table() {
         .meaning = "sweeps a step that spread particles evenly, where a material asks for it",
         .slot = at<&F::redistribution_iterations>,
         .range = iterations},
+       {.name = "redistribution_form",
+        .meaning = "how they do it: down the gradient of the density, by Newton's method, by Eq. 24 of He et "
+                   "al. (2017) as printed or with the other sign",
+        .slot = at<&F::redistribution_form>,
+        .choices = {"fickian", "newton", "printed", "negated"}},
        {.name = "viscosity_iterations",
         .meaning = "a cap on the sweeps of a step's viscosity",
         .slot = at<&F::viscosity_iterations>,

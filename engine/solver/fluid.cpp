@@ -62,12 +62,20 @@ Fluid::Fluid(Device& device, const Scene& scene, const Model& model, const Plan&
     rows[FLUID_ROWS * m + FLUID_LIMITS] = {c.softness, largest_error, c.edge, 0};
   }
   device_.upload(buffer("fluid_material"), rows);
+  forces_ = std::make_unique<FluidForces>(device_, scene_, *this, origin_);
   if (!plan_.walls) return;
   still_ = std::none_of(scene.boundaries.begin(), scene.boundaries.end(), moves);
-  if (still_) device_.upload(buffer("obstacle"), obstacles_.table(0, 0, origin_));
+  if (still_) device_.upload(buffer("obstacle"), obstacle_rows(0, 0));
   if (!plan_.meshes) return;
   device_.upload(buffer("obstacle_grid"), obstacles_.grid_table());
   device_.upload(buffer("grid_distance"), obstacles_.take_distances());
+}
+
+std::vector<Real4<double>> Fluid::obstacle_rows(double begin, double end) const {
+  std::vector<Real4<double>> rows = obstacles_.table(begin, end, origin_);
+  for (const Ghost& ghost : plan_.model.ghosts)
+    rows[std::size_t{OBSTACLE_ROWS} * ghost.boundary + OBSTACLE_KIND].z = OBSTACLE_GHOSTS;
+  return rows;
 }
 
 BufferStorage* Fluid::buffer(const std::string& name) const {
@@ -110,10 +118,13 @@ template <class Args> void Fluid::in_flight(Args& args, double step) const {
 void Fluid::advance(double time, double step) {
   if (plan_.walls && !still_) {
     device_.enter("boundaries");
-    device_.upload(buffer("obstacle"), obstacles_.table(time, time + step, origin_));
+    device_.upload(buffer("obstacle"), obstacle_rows(time, time + step));
   }
+  forces_->move_ghosts(time, time + step);
   find(step);
+  forces_->viscosity(step);
   density(step);
+  spread();
   finish(step);
 }
 
@@ -128,6 +139,7 @@ void Fluid::find(double step) {
   cell.cell_of = buffer("near_cell_of");
   cell.cell_count = buffer("near_cell_count");
   device_.run(cell);
+  forces_->sort_ghosts();
   device_.run(kernels::grid_sum::Args{.threads = plan_.chunks * kernels::grid_sum::group_size,
                                       .cells = plan_.cells,
                                       .cell_count = buffer("near_cell_count"),
@@ -140,11 +152,11 @@ void Fluid::find(double step) {
                                        .chunk_begin = buffer("near_chunk_begin"),
                                        .cell_count = buffer("near_cell_count"),
                                        .cell_begin = buffer("near_cell_begin")});
-  device_.run(kernels::grid_place::Args{.threads = n,
+  device_.run(kernels::grid_place::Args{.threads = plan_.model.sorted(),
                                         .cell_of = buffer("near_cell_of"),
                                         .cell_next = buffer("near_cell_count"),
                                         .placed = buffer("near_placed")});
-  device_.run(kernels::fluid_sort::Args{.threads = n,
+  device_.run(kernels::fluid_sort::Args{.threads = plan_.model.sorted(),
                                         .cells = plan_.cells,
                                         .cell_begin = buffer("near_cell_begin"),
                                         .cell_of = buffer("near_cell_of"),
@@ -153,11 +165,13 @@ void Fluid::find(double step) {
   kernels::fluid_gather::Args gather{.threads = places};
   in_flight(gather, step);
   gather.particle_count = n;
+  gather.ghost_count = plan_.model.sorted() - n;
   gather.fluid_particle = buffer("fluid_particle");
   gather.fluid_place = buffer("fluid_place");
   gather.fluid_velocity = buffer("fluid_velocity");
   gather.fluid_start = buffer("fluid_start");
   device_.run(gather);
+  forces_->gather_ghosts();
   kernels::near_find::Args near{.threads = places, .places = places, .rows = plan_.model.rows};
   near.reach = plan_.model.reach;
   in_lattice(near);
@@ -253,6 +267,19 @@ void Fluid::density(double step) {
                                          .fluid_velocity = buffer("fluid_velocity")});
 }
 
+void Fluid::spread() {
+  if (!plan_.forces.spread) return;
+  for (unsigned k = 0; k < scene_.fluid.redistribution_iterations; ++k) {
+    forces_->spread();
+    swap(buffers_.at("fluid_place"), buffers_.at("fluid_shift"));
+    project();
+  }
+}
+
+std::unique_ptr<Readback> Fluid::force_sums(std::uint32_t row) {
+  return watched_ ? forces_->sums(row) : nullptr;
+}
+
 void Fluid::finish(double step) {
   device_.enter("density");
   if (watched_) {
@@ -263,7 +290,7 @@ void Fluid::finish(double step) {
   }
   const FluidLattice& lattice = plan_.model.lattice;
   const Vector3 low = scene_.domain.low - lattice.base, high = scene_.domain.high - lattice.base;
-  kernels::fluid_finish::Args args{.threads = plan_.model.count, .bounded = scene_.domain.given};
+  kernels::fluid_finish::Args args{.threads = plan_.model.sorted(), .bounded = scene_.domain.given};
   args.time_step = step;
   args.base_x = base_.x(), args.base_y = base_.y(), args.base_z = base_.z();
   args.low_x = low.x(), args.low_y = low.y(), args.low_z = low.z();

@@ -2,9 +2,11 @@
 // section 6):
 //
 //   find      y* = y + h (v + h g); particles sorted into cells, lists of neighbours at y*
+//   viscosity where a material has some: velocities and y*
 //   density   iterations of a multiplier for each particle, so that none is denser than at rest, and of the
 //             shifts that these make; out of obstacles after each
 //   speed     velocities from what has moved so far
+//   spread    redistribution and surface tension: places alone
 //   finish    positions and velocities go back to their particles; what left the domain is removed
 //
 //   particles          position, velocity            sorted, new in each step
@@ -21,6 +23,7 @@
 #include "engine/model/fluid.h"
 #include "engine/plan/spec.h"
 #include "engine/solver/contact_obstacles.h"
+#include "engine/solver/fluid_forces.h"
 
 #include <map>
 #include <memory>
@@ -34,6 +37,7 @@ struct SimulationState;
 /// "boundaries".
 struct FluidPlan {
   FluidModel model;
+  FluidForcePlan forces;
   bool walls = false;  ///< obstacles
   bool meshes = false; ///< one of them is a distance grid
   std::uint32_t cells = 0, chunks = 0;
@@ -53,6 +57,7 @@ public:
   void advance(double time, double step);
   /// A row on its way to the host; see fluid_sum.decl.
   std::unique_ptr<Readback> sums(std::uint32_t row);
+  std::unique_ptr<Readback> force_sums(std::uint32_t row); ///< see fluid_gradient_sum.decl; may be null
   const FluidPlan& plan() const { return plan_; }
   /// For tests: a buffer by name; null when it is not in the plan.
   BufferStorage* buffer(const std::string& name) const;
@@ -61,10 +66,12 @@ private:
   template <class Args> void in_lattice(Args& args) const;
   template <class Args> void in_period(Args& args) const;
   template <class Args> void in_flight(Args& args, double step) const;
+  std::vector<Real4<double>> obstacle_rows(double begin, double end) const;
   void find(double step);
   void density(double step);
   void shift();
   void project();
+  void spread();
   void finish(double step);
 
   Device& device_;
@@ -74,6 +81,7 @@ private:
   FluidPlan plan_;
   Obstacles obstacles_;
   std::map<std::string, Buffer> buffers_;
+  std::unique_ptr<FluidForces> forces_;
   Vector3 base_ = Vector3::Zero();   ///< m: where places count from, relative to the device's coordinates
   bool still_ = true;                ///< no obstacle moves
   Vector3 origin_ = Vector3::Zero(); ///< m, world: where places count from

@@ -26,7 +26,7 @@ namespace pliant {
 FluidPlan plan_fluid(const Scene& scene, const Model& model, bool statistics) {
   FluidPlan plan;
   plan.model = fluid_model(scene, model);
-  const std::size_t n = plan.model.count, places = plan.model.places;
+  const std::size_t n = plan.model.count, places = plan.model.places, sorted = plan.model.sorted();
   if (n == 0) return plan;
   plan.walls = !scene.boundaries.empty();
   std::string component;
@@ -42,12 +42,12 @@ FluidPlan plan_fluid(const Scene& scene, const Model& model, bool statistics) {
   buffer("near_cell_count", Type::uint, plan.cells);
   buffer("near_chunk_begin", Type::uint, plan.chunks);
   buffer("near_cell_begin", Type::uint, std::size_t{plan.cells} + 1);
-  buffer("near_cell_of", Type::uint, n);
-  buffer("near_placed", Type::uint, n);
+  buffer("near_cell_of", Type::uint, sorted);
+  buffer("near_placed", Type::uint, sorted);
   buffer("near_left_out", Type::uint, 2);
   buffer("near_count", Type::uint, places / slice_width);
   buffer("near", Type::uint, places * plan.model.rows);
-  buffer("fluid_particle", Type::uint, n);
+  buffer("fluid_particle", Type::uint, sorted);
   buffer("fluid_place", Type::real4, places);
   buffer("fluid_velocity", Type::real4, places);
   buffer("fluid_start", Type::real4, places);
@@ -90,6 +90,8 @@ FluidPlan plan_fluid(const Scene& scene, const Model& model, bool statistics) {
     buffer("fluid_wall", Type::real4, places);
     kernel(kernels::fluid_project::Args{.meshes = plan.meshes});
   }
+  plan.forces = plan_forces(scene, model, plan.model);
+  list_forces(plan.forces, plan.model, statistics, plan.buffers, plan.kernels);
   return plan;
 }
 

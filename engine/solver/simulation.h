@@ -55,10 +55,13 @@ struct StepStatistics {
   double energy_error = 0;   ///< estimated, of Eq. 25 (Xu et al. 2018); 1 where nothing asked for it
   unsigned energy_rises = 0; ///< iterates taken though the potential rose by more than the precision can tell
   // Of fluids.
-  double density_error = 0;                           ///< mean |C| of particles inside the fluid
-  double largest_density_error = 0;                   ///< largest C
-  double density_slope = 0;                           ///< sum of |grad rho|^2, (kg/m^(d+1))^2
-  std::size_t removed = 0;                            ///< particles that left the domain so far
+  double density_error = 0;         ///< mean |C| of particles inside the fluid
+  double largest_density_error = 0; ///< largest C
+  double density_slope = 0;         ///< sum of |grad rho|^2, (kg/m^(d+1))^2
+  unsigned viscosity_iterations = 0;
+  double viscosity_residual = 0; ///< relative
+  double unevenness = 0;         ///< mean (support |grad rho| / rho)^2 inside, before the last sweep
+  std::size_t removed = 0;       ///< particles that left the domain so far
   std::size_t neighbours_dropped = 0, lists_full = 0; ///< in this step: neighbours without room in a list
 };
 
@@ -198,7 +201,7 @@ private:
   bool kept_first_of_bdf2_ = true;
   struct Pending {
     std::uint64_t step = 0;
-    std::unique_ptr<Readback> readback, fracture, plastic, fluid;
+    std::unique_ptr<Readback> readback, fracture, plastic, fluid, forces;
     unsigned plastic_rounds = 0, earlier_iterations = 0;
   };
   std::deque<Pending> pending_;

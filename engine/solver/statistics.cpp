@@ -40,10 +40,10 @@ void Simulation::write_statistics() {
                                               .statistics = s.statistics});
   const std::size_t bytes = 16 * element_bytes(Type::real, device_.info().precision);
   pending_.push_back({step_ + 1, device_.request(s.statistics, row * bytes, bytes), nullptr, nullptr, nullptr,
-                      plastic_rounds_, earlier_iterations_});
+                      nullptr, plastic_rounds_, earlier_iterations_});
   if (failure_) pending_.back().fracture = failure_->sums(row);
   if (plastic_) pending_.back().plastic = plastic_->sums(row);
-  if (fluid_) pending_.back().fluid = fluid_->sums(row);
+  if (fluid_) pending_.back().fluid = fluid_->sums(row), pending_.back().forces = fluid_->force_sums(row);
 }
 
 StepStatistics Simulation::row(std::span<const std::byte> bytes, std::uint64_t step) const {
@@ -113,6 +113,8 @@ StepStatistics joined(const StepStatistics& earlier, const StepStatistics& later
   both.yielding = std::max(earlier.yielding, later.yielding);
   both.plastic_rounds += earlier.plastic_rounds;
   both.yield_excess = std::max(earlier.yield_excess, later.yield_excess);
+  both.viscosity_iterations += earlier.viscosity_iterations;
+  both.viscosity_residual = std::max(earlier.viscosity_residual, later.viscosity_residual);
   both.density_error = std::max(earlier.density_error, later.density_error);
   both.largest_density_error = std::max(earlier.largest_density_error, later.largest_density_error);
   both.neighbours_dropped = std::max(earlier.neighbours_dropped, later.neighbours_dropped);
@@ -160,6 +162,14 @@ std::vector<StepStatistics> Simulation::take_statistics(bool wait) {
       next.neighbours_dropped = static_cast<std::size_t>(std::lround(real_at(sums, 5, wide)));
       next.lists_full = static_cast<std::size_t>(std::lround(real_at(sums, 6, wide)));
       next.residual = real_at(sums, 7, wide);
+    }
+    if (pending_.front().forces) {
+      const bool wide = device_.info().precision == Precision::double_precision;
+      const std::span<const std::byte> sums = pending_.front().forces->wait();
+      const double inside = real_at(sums, 0, wide);
+      next.unevenness = inside > 0 ? real_at(sums, 1, wide) / inside : 0;
+      next.viscosity_iterations = static_cast<unsigned>(std::lround(real_at(sums, 3, wide)));
+      next.viscosity_residual = real_at(sums, 4, wide);
     }
     pending_.pop_front();
     if (rows.empty() || rows.back().step != next.step)

@@ -2,6 +2,7 @@
 #define OBSTACLES 32       // at most
 #define OBSTACLE_ROWS 9    // groups of four an obstacle:
 #define OBSTACLE_KIND 0    //   kind, friction, 1: no-slip, 1: particles are kept inside
+#define OBSTACLE_GHOSTS 2  //     instead of no-slip: ghosts stand for the obstacle in all but keeping fluids out
 #define OBSTACLE_CENTRE 1  //   centre at the end of the step, m, world; radius about it beyond which nothing touches, m
 #define OBSTACLE_SIZE 2    //   box: half edges; sphere: radius; cylinder: radius, half height; torus: ring, tube; m
                            //   w: cell of the distance grid, m

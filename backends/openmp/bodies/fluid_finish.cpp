@@ -30,7 +30,7 @@ template <class real> void fluid_finish(const kernels::fluid_finish::View<real>&
 #pragma omp parallel for schedule(static)
   for (uint place = 0; place < k.threads; ++place) {
     const auto at = k.fluid_place[place];
-    if (at.w == 0) continue; // removed before
+    if (!(at.w > 0)) continue; // removed before, or a ghost
     const uint i = k.fluid_particle[place];
     Vec3<real> end = xyz(at), v = xyz(k.fluid_velocity[place]);
     real mass = at.w;

@@ -11,11 +11,12 @@ template <class real> void fluid_gather(const kernels::fluid_gather::View<real>&
 #pragma omp parallel for schedule(static)
   for (uint place = 0; place < k.threads; ++place) {
     k.fluid_place[place] = {far, far, far, 0};
-    if (place >= k.particle_count) {
+    const uint i = place < k.particle_count + k.ghost_count ? k.fluid_particle[place] : k.particle_count;
+    if (i >= k.particle_count) {
       k.fluid_velocity[place] = k.fluid_start[place] = {0, 0, 0, 0};
       continue;
     }
-    const uint i = k.fluid_particle[place], kind = k.fluid_kind[i];
+    const uint kind = k.fluid_kind[i];
     const auto old = k.position[i], before = k.velocity[i];
     const Flight<real> flight = free_flight(k, old, before, k.origin[kind & FLUID_BODY]);
     k.fluid_start[place] = {flight.start.x, flight.start.y, flight.start.z, before.w};

@@ -46,15 +46,16 @@ PLIANT_INLINE Vec3<real> pushed(const kernels::fluid_project::View<real>& k, uin
   if (!(steep2 > 0)) return y;
   const Beyond<real> beyond(larger(away, k.radius) / k.support);
   const real slope = k.share * beyond.slope / (k.support * root(steep2));
-  wall = {wall.x + slope * gradient.x, wall.y + slope * gradient.y, wall.z + slope * gradient.z,
-          wall.w + k.share * beyond.share};
+  if (traits.z != OBSTACLE_GHOSTS)
+    wall = {wall.x + slope * gradient.x, wall.y + slope * gradient.y, wall.z + slope * gradient.z,
+            wall.w + k.share * beyond.share};
   if (!(depth > 0)) return y;
   const Vec3<real> push = (depth / steep2) * gradient;
   const Vec3<real> carried{dot(xyz(shift[0]), from) + shift[0].w, dot(xyz(shift[1]), from) + shift[1].w,
                            dot(xyz(shift[2]), from) + shift[2].w};
   Vec3<real> slide = (y - start) - carried;
   slide = slide - (dot(gradient, slide) / steep2) * gradient;
-  const real slid = norm(slide), held = traits.z != 0 ? slid : smaller(slid, traits.y * norm(push));
+  const real slid = norm(slide), held = traits.z == 1 ? slid : smaller(slid, traits.y * norm(push));
   const Vec3<real> out = y + push;
   return held > 0 ? out - (held / slid) * slide : out;
 }

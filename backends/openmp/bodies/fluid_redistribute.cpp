@@ -7,8 +7,6 @@
 #include "shaders/common/fluid.glsl"
 #include "shaders/common/spread.glsl"
 
-#include <type_traits>
-
 namespace pliant::openmp::PLIANT_ISA {
 
 namespace {
@@ -29,11 +27,11 @@ PLIANT_INLINE void part_pairs(const uint* own, const uint* theirs, WideMask<real
 
 // Whether all pairs of a part push by its own limits, far from any surface: then their sum is known, it is
 // that of the gradient. Most particles inside are such.
-template <bool tension, class real>
+template <class real>
 PLIANT_INLINE bool is_plain(const kernels::fluid_redistribute::View<real>& k, uint first, Wide<real> mark,
                             Wide<real> nearest) {
   WideMask<real> special = mark < 0;
-  if (tension) special |= nearest < real(SPREAD_APART) * k.spacing;
+  if (k.tension) special |= nearest < real(SPREAD_APART) * k.spacing;
   const uint slice = first / 16, count = k.near_count[slice];
   const uint* row = k.near + (std::size_t{16} * k.rows * slice + first % 16);
   for (uint r = 0; r < count; ++r, row += 16) {
@@ -45,7 +43,7 @@ PLIANT_INLINE bool is_plain(const kernels::fluid_redistribute::View<real>& k, ui
   return !bits<real>(special);
 }
 
-template <uint form, bool tension, bool mixed, class real>
+template <uint form, class real>
 PLIANT_INLINE void redistribute(const kernels::fluid_redistribute::View<real>& k) {
   const Wide<real> none{}, one = none + 1;
   const real per_support = 1 / k.support;
@@ -58,9 +56,9 @@ PLIANT_INLINE void redistribute(const kernels::fluid_redistribute::View<real>& k
     const Wide4<real> place = gather(k.fluid_place, part.index), normal = gather(k.fluid_normal, part.index);
     const Wide<real> limit = magnitudes<real>(normal.w);
     const WideMask<real> moves = place.w > 0;
-    if constexpr (form == 0 && !mixed) {
+    if (form == 0 && !k.mixed) {
       const Wide4<real> g = gather(k.fluid_gradient, part.index);
-      if (is_plain<tension, real>(k, first, normal.w, moves ? g.w : spread(k.support))) {
+      if (is_plain<real>(k, first, normal.w, moves ? g.w : spread(k.support))) {
         const Wide<real> by = moves ? -k.rate * limit : none;
         store(k.fluid_shift + first, part.count,
               Wide4<real>{place.x + by * g.x, place.y + by * g.y, place.z + by * g.z, place.w});
@@ -76,7 +74,7 @@ PLIANT_INLINE void redistribute(const kernels::fluid_redistribute::View<real>& k
       const Wide<real> far = root_wide<real>(dot(d, d)), q = far * per_support;
       const Wide<real> per_q = 1 / (q + real(1e-18)); // where places coincide the differences vanish
       Wide<real> share = one;
-      if constexpr (mixed) {
+      if (k.mixed) {
         const Wide<real> mass = magnitudes<real>(d4.w), total = place.w + mass;
         share = 2 * mass / (total > 0 ? total : one);
       }
@@ -104,7 +102,7 @@ PLIANT_INLINE void redistribute(const kernels::fluid_redistribute::View<real>& k
         for (uint lane = 0; lane < lanes<real>; ++lane) theirs[lane] = k.fluid_newton[neighbours[lane]].w;
         add_scaled<real>(all, share * k.rate * (newton.w + theirs) * slope / 2, d);
       }
-      if constexpr (tension) {
+      if (k.tension) {
         const WideMask<real> together = (far <= real(1e-6) * k.spacing) & ~self;
         if (bits<real>(together)) part_pairs<real>(part.index, neighbours, together, n);
         const Wide<real> missing = share * (real(SPREAD_APART_RATE) * (apart - far));
@@ -125,7 +123,7 @@ PLIANT_INLINE void redistribute(const kernels::fluid_redistribute::View<real>& k
     const Wide<real> removed =
         -(part_of < 1 ? part_of : one) / (length2 > 0 ? length2 : one) * dot(mean, shift);
     add_scaled<real>(shift, near_surface ? removed : none, mean);
-    if constexpr (tension) {
+    if (k.tension) {
       Wide<real> pull{};
       for (uint lane = 0; lane < lanes<real>; ++lane) {
         if (!(normal.w[lane] < 0)) continue;
@@ -143,18 +141,12 @@ PLIANT_INLINE void redistribute(const kernels::fluid_redistribute::View<real>& k
 } // namespace
 
 template <class real> void fluid_redistribute(const kernels::fluid_redistribute::View<real>& k) {
-  const auto with = [&](auto form) {
-    if (k.tension)
-      k.mixed ? redistribute<form(), true, true>(k) : redistribute<form(), true, false>(k);
-    else
-      k.mixed ? redistribute<form(), false, true>(k) : redistribute<form(), false, false>(k);
-  };
   if (k.form == 0)
-    with(std::integral_constant<uint, 0>());
+    redistribute<0>(k);
   else if (k.form == 1)
-    with(std::integral_constant<uint, 1>());
+    redistribute<1>(k);
   else
-    with(std::integral_constant<uint, 2>());
+    redistribute<2>(k);
 }
 
 PLIANT_BODY(fluid_redistribute)
