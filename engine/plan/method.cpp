@@ -107,10 +107,15 @@ Method choose_method(const Scene& scene, const Model& model) {
                   "solver.preconditioner \"multilevel\": its coarse elements are solid and would push "
                   "particles out of the plane of a scene of dimension 2; choose diagonal or direct");
     if (method.preconditioner == "auto") {
-      method.preconditioner = eta > 50 && !flat ? "multilevel" : "diagonal";
+      // A sheet's factor is short, and its coarse elements do not bend as it does.
+      const bool short_factor = flat && method.name == "lbfgs";
+      method.preconditioner = eta <= 50      ? "diagonal"
+                              : short_factor ? "direct"
+                              : flat         ? "diagonal"
+                                             : "multilevel";
       if (eta > 50 && flat)
-        method.reason += std::string(method.reason.empty() ? "" : "; diagonal, since ") +
-                         "coarse elements do not bend as sheets do";
+        method.reason += std::string(method.reason.empty() ? "" : "; ") + method.preconditioner +
+                         ", since coarse elements do not bend as sheets do";
     }
   }
   return method;
