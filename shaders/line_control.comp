@@ -80,9 +80,11 @@ void main() {
   if (tried) {
     float change = sums.y - solver[SOLVER_POTENTIAL];
     float least = noise * (abs(sums.y) + abs(solver[SOLVER_POTENTIAL])) + 64.0 * low * low;
-    bool telling = abs(change) > least;
+    // A change of a few times the noise tells nothing where a fall of less than the noise is promised.
+    float margin = solver[SOLVER_LENGTH] * slope < least ? 16.0 : 1.0;
+    bool telling = abs(change) > margin * least;
     fall = abs(change) > 16.0 * least ? -change : 0.5 * (solver[SOLVER_LENGTH] * slope + sums.z);
-    rise = change > least ? 1.0 : 0.0;
+    rise = change > margin * least ? 1.0 : 0.0;
 #if !potential
     telling = false;
 #endif

@@ -242,6 +242,11 @@ TEST_P(LineSearch, Decisions) {
               {.residual = 3.5, .phi = 64, .steep = -7, .after = cut(0.5)});
   expect_case(on, "within noise, the residual fell",
               {.residual = 2.75, .phi = 64, .steep = -7, .after = taken(2.75, 64)});
+  const Changes faint{{SOLVER_SLOPE, 1. / 8192}}; // less than the noise of 5.2e-3 is promised
+  expect_case(on, "a few times the noise, the slope fell",
+              {.phi = 64.03125, .steep = -1. / 16384, .before = faint, .after = taken(3, 64.03125)});
+  expect_case(on, "many times the noise",
+              {.phi = 64.25, .steep = -1. / 16384, .before = faint, .after = cut(0.5)});
   expect_case(on, "without a potential Phi does not matter",
               {.potential = false, .phi = 640, .steep = 6, .after = taken(3, 640)});
   expect_case(on, "without a potential, the slope left is too much",

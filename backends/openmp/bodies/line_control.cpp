@@ -70,9 +70,11 @@ template <class real> void line_control(const kernels::line_control::View<real>&
   if (tried) {
     const real before = solver[SOLVER_POTENTIAL], change = phi - before;
     const real least = k.noise * (magnitude(phi) + magnitude(before)) + 64 * low * low;
-    rise = change > least ? real(1) : real(0);
+    // Where less than the noise is promised, a change of a few times that is noise.
+    const real telling = length * slope < least ? 16 * least : least;
+    rise = change > telling ? real(1) : real(0);
     fall = magnitude(change) > 16 * least ? -change : (length * slope + sums.z) / 2;
-    blind = !k.potential || !(magnitude(change) > least);
+    blind = !k.potential || !(magnitude(change) > telling);
     if (!blind)
       taken = change <= real(-1e-4) * length * slope;
     else
