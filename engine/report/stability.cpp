@@ -332,8 +332,9 @@ std::size_t StabilityReport::unrecovered() const {
 
 StabilityReport sweep_stability(const Scene& scene, const StabilityOptions& options) {
   if (scene.flows())
-    throw Error(ExitCode::usage, scene.file.string() + ": a fluid has none of the methods that are swept here; "
-                                                       "the sweep is of a scene's first body, an elastic one");
+    throw Error(ExitCode::usage, scene.file.string() +
+                                     ": a fluid has none of the methods that are swept here; "
+                                     "the sweep is of a scene's first body, an elastic one");
   return Sweep(scene, options).run();
 }
 

@@ -146,7 +146,8 @@ std::vector<StressPoint> stress_points(StressTest test, const StressFunction& st
 StressCurveReport stress_curves(const Scene& scene, const StressCurveOptions& options) {
   if (scene.flows())
     throw Error(ExitCode::usage,
-                scene.file.string() + ": a fluid has no stress against stretch; curves are of elastic materials");
+                scene.file.string() +
+                    ": a fluid has no stress against stretch; curves are of elastic materials");
   StressCurveReport report{scene.name, stretches_of(options), {}};
   for (const std::string& name : options.materials)
     if (!scene.material(name)) {
