@@ -286,12 +286,28 @@ TEST_P(PlanTruth, EverythingTogether) {
   for (const Switch& one : switches()) one.on(made);
   made.request.fields = {"strain", "energy"};
   const Truth truth = expect_truth(GetParam(), made, "everything");
-  EXPECT_EQ(truth.plan.left_out,
-            (std::vector<std::string>{"line search", "diagonal preconditioner", "preconditioner",
-                                      "turning bonds", "direct", "newton", "quasi-newton", "l-bfgs",
-                                      "corotated elasticity", "ordinary elasticity", "basis elasticity",
-                                      "neo-hookean elasticity", "inversion", "neighbours", "density",
-                                      "sheets", "plane", "failure", "plasticity"}));
+  EXPECT_EQ(truth.plan.left_out, (std::vector<std::string>{"line search",
+                                                           "diagonal preconditioner",
+                                                           "preconditioner",
+                                                           "turning bonds",
+                                                           "direct",
+                                                           "newton",
+                                                           "quasi-newton",
+                                                           "l-bfgs",
+                                                           "corotated elasticity",
+                                                           "ordinary elasticity",
+                                                           "basis elasticity",
+                                                           "neo-hookean elasticity",
+                                                           "inversion",
+                                                           "neighbours",
+                                                           "density",
+                                                           "ghosts",
+                                                           "viscosity",
+                                                           "redistribution",
+                                                           "sheets",
+                                                           "plane",
+                                                           "failure",
+                                                           "plasticity"}));
 }
 
 // Fluids have no bonds, no solver, no energies; elastic bodies have nothing of fluids.
@@ -329,6 +345,33 @@ TEST_P(PlanTruth, FluidsAndElasticBodiesShareNothing) {
     EXPECT_NE(buffer.name.rfind("fluid_", 0), 0u) << buffer.name;
     EXPECT_NE(buffer.name.rfind("near_", 0), 0u) << buffer.name;
   }
+}
+
+// Of viscosity, redistribution and walls to which fluids stick: what is planned is what runs.
+TEST_P(PlanTruth, ForcesOnFluidsAreThoseAskedFor) {
+  for (const bool viscous : {false, true})
+    for (const char* form : {"", "fickian", "newton"}) {
+      PlanScene made = elastic_only();
+      Material water;
+      water.name = "water";
+      water.model = "fluid";
+      water.viscosity = viscous ? 1 : 0;
+      water.redistribution = *form ? 0.5 : 0;
+      made.scene.materials = {water};
+      made.scene.bodies.emplace_back().material = "water";
+      if (*form) made.scene.fluid.redistribution_form = form;
+      made.model = assemble_points(lattice_box(4, 4, 5, 0.02), 0.02, 1.87, water, 8e-6);
+      made.request.statistics = true;
+      made.scene.boundaries = {floor_below()};
+      made.scene.boundaries[0].slip = false;
+      made.scene.domain = {true, {-0.05, -1, -0.05}, {0.15, 1, 0.15}, {false, false, false}};
+      const Truth truth = expect_truth(GetParam(), made, "fluid");
+      std::vector<std::string> used{"motion", "neighbours", "density", "boundaries"};
+      if (viscous) used.insert(used.end(), {"ghosts", "viscosity"});
+      if (*form) used.emplace_back("redistribution");
+      used.emplace_back("statistics");
+      EXPECT_EQ(truth.plan.used, used);
+    }
 }
 
 TEST(Plan, BytesOfALargeBall) {
