@@ -56,7 +56,7 @@ void main() {
   }
   uint last = uint(solver[SOLVER_NEWEST]);
   if (count > 0u) {
-    float gamma = clamp(gram[6u * last] / gram[25u + 6u * last], 0.02, 20.0);
+    float gamma = clamp(gram[6u * last] / gram[25u + 6u * last], 0.02, largest_scale);
     float alpha[MEMORY], on_step[MEMORY];
     for (uint a = 0u; a < count; ++a) { // newest first
       uint i = (last + uint(MEMORY) - a) % uint(MEMORY);

@@ -99,6 +99,68 @@ PLIANT_INLINE Wide<real> basis_value(const Real4<real>* __restrict terms, Wide<r
   return value;
 }
 
+/// A sum's terms with what divides them, for many stretches.
+template <class real> struct BasisTerms {
+  const Real4<real>* rows;
+  uint count = 0;
+  int n[STRETCH_POWERS];
+  real a[STRETCH_POWERS], b[STRETCH_POWERS], over[STRETCH_POWERS], under[STRETCH_POWERS];
+
+  PLIANT_INLINE explicit BasisTerms(const Real4<real>* terms) : rows(terms) {
+    for (; count < STRETCH_POWERS && terms[count].x > 0; ++count) {
+      const Real4<real> term = terms[count];
+      n[count] = static_cast<int>(term.x);
+      a[count] = term.y / term.x;
+      b[count] = 2 * term.z / term.x;
+      over[count] = 1 / (term.x + 1);
+      under[count] = term.x > 1 ? 1 / (term.x - 1) : 0;
+    }
+  }
+};
+
+/// basis_slopes().first and, with `valued`, basis_value() in one pass; as they are where a lane lies beyond
+/// the limits.
+template <class real> struct WideBasis { Wide<real> slope, value; };
+template <bool valued, class real>
+PLIANT_INLINE WideBasis<real> basis_at(const BasisTerms<real>& terms, Wide<real> e) {
+  const Wide<real> none{}, low = none + (real(STRETCH_LEAST) - 1), high = none + (real(STRETCH_MOST) - 1);
+  if (bits<real>(e < low) != 0 || bits<real>(e > high) != 0)
+    return {basis_slopes<real>(terms.rows, e).first, valued ? basis_value<real>(terms.rows, e) : none};
+  const Wide<real> s = 1 + e, r = 1 / s;
+  Wide<real> slope{}, value{};
+  for (uint k = 0; k < terms.count; ++k) {
+    const Real4<real> term = terms.rows[k]; // n, A, B, log2
+    const int n = terms.n[k];
+    Wide<real> up = none + 1, sum_up = up, down = up, sum_down = n > 2 ? up : none;
+    for (int m = 2; m <= n; ++m) {
+      up = up * s + 1;
+      sum_up += up;
+      if (term.y == 0) continue;
+      down = down * r + 1;
+      if (m + 2 <= n) sum_down += down;
+    }
+    slope += e * (terms.b[k] * up);
+    if (term.y != 0) slope += e * (terms.a[k] * (up + r * down));
+    if (term.w != 0) {
+      Wide<real> l = e;
+      for (uint lane = 0; lane < lanes<real>; ++lane) l[lane] = log_of_one_plus(l[lane]);
+      slope += (2 * term.w) * l * r;
+    }
+    if (!valued) continue;
+    const Wide<real> over = sum_up * terms.over[k];
+    if (term.y != 0 && n == 1) value += term.y * (real(0.5) + log_remainder_wide<real>(e));
+    if (term.y != 0 && n > 1) value += terms.a[k] * (r + over + r * r * sum_down * terms.under[k]);
+    if (term.z != 0) value += terms.b[k] * over;
+    if (term.w != 0) {
+      Wide<real> ratio = none + 1;
+      for (uint lane = 0; lane < lanes<real>; ++lane)
+        if (e[lane] != 0) ratio[lane] = log_of_one_plus(e[lane]) / e[lane];
+      value += term.w * ratio * ratio;
+    }
+  }
+  return {slope, e * e * value};
+}
+
 /// What one bond adds to the dilatation, and the dilatation from the mean: see basis.h.
 template <class real>
 PLIANT_INLINE Wide<real> lengthening_of(const Wide<real>& size, const Wide<real>& x, bool squared) {

@@ -21,6 +21,8 @@ QuasiNewton::QuasiNewton(const SolveContext& context)
     : GlobalStep(context), line_(context), preconditioner_(make_preconditioner(context)),
       remembers_(context.plan.method.name == "lbfgs"),
       follows_(context.plan.method.preconditioner == "multilevel"),
+      // A bound of the law at rest is up to five times what transverse motions meet.
+      largest_scale_(context.plan.method.preconditioner == "direct" ? 20 : 2),
       // The sum of coarse and fine corrections goes about three times too far.
       first_length_(context.plan.method.preconditioner == "multilevel" ? 0.3 : 1.0) {}
 
@@ -60,6 +62,7 @@ void QuasiNewton::apply(unsigned k, bool, bool restart) {
       .remembers = remembers_,
       .partial_count = static_cast<std::uint32_t>(s.solve_partial.count() / 2),
       .forget = anew,
+      .largest_scale = largest_scale_,
       .first_length = first_length_,
       .energy_tolerance = context_.scene.solver.fixed_iterations ? 0 : context_.plan.method.energy_tolerance,
       .solve_partial = s.solve_partial,

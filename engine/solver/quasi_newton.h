@@ -20,7 +20,7 @@ private:
   LineSearch line_;
   std::unique_ptr<Preconditioner> preconditioner_;
   bool remembers_ = false, follows_ = false; ///< earlier steps; the preconditioner, the material
-  double first_length_ = 1;
+  double largest_scale_ = 2, first_length_ = 1;
 };
 
 } // namespace pliant

@@ -156,7 +156,7 @@ TEST(DerivativeChains, AreWhole) {
 #undef PLIANT_KERNEL
        })
     for (const char* part : {"coarse_", "_tangent", "_product"})
-      if (kernel.find(part) != std::string::npos) {
+      if (kernel.find(part) != std::string::npos && kernel.rfind("fluid_", 0) != 0) {
         EXPECT_TRUE(run.count(kernel)) << "no scene of this file runs '" << kernel << "'";
         ++count;
       }

@@ -117,6 +117,7 @@ TEST_P(History, IsTwoLoops) {
                                                .remembers = 1,
                                                .partial_count = partials,
                                                .forget = k == 0,
+                                               .largest_scale = 2,
                                                .first_length = 0.25,
                                                .solve_partial = sums,
                                                .history_partial = dots,

@@ -47,7 +47,7 @@ template <class real> void history_control(const kernels::history_control::View<
     }
     const uint last = static_cast<uint>(solver[SOLVER_NEWEST]);
     if (count > 0) {
-      real gamma = larger(real(0.02), smaller(real(20), k.gram[6 * last] / k.gram[25 + 6 * last]));
+      real gamma = larger(real(0.02), smaller(k.largest_scale, k.gram[6 * last] / k.gram[25 + 6 * last]));
       real alpha[MEMORY] = {}, on_step[MEMORY] = {};
       for (uint a = 0; a < count; ++a) { // newest first
         uint i = (last + memory - a) % memory;

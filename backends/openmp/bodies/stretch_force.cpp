@@ -46,7 +46,8 @@ template <class real> void stretch_force(const kernels::stretch_force::View<real
         return;
       }
       const Real4<real>* const energies = k.energies + static_cast<uint>(yi.w[0]);
-      const bool squared = energies[0].x > 0;
+      const bool squared = energies[0].x > 0, valued = k.potential != 0;
+      const BasisTerms<real> terms(energies + STRETCH_BOND);
       Wide3<real> sum{};
       Wide<real> stretching{};
       for_each_bond_of_strength_of_part(
@@ -58,13 +59,13 @@ template <class real> void stretch_force(const kernels::stretch_force::View<real
                                 (yj.z - yi.z) + (uj.z - ui.z)};
             const WideBond<real> b = wide_bond<real>(y, xi, unit);
             const Wide<real> e = (b.size - b.x) * b.per_x;
-            const Wide<real> h = basis_slopes<real>(energies + STRETCH_BOND, e).first / 2;
+            const WideBasis<real> basis = valued ? basis_at<true>(terms, e) : basis_at<false>(terms, e);
+            const Wide<real> h = basis.slope / 2;
             const Wide<real> lever = squared ? b.size : b.x; // x s
             const Wide<real> pull =
                 lever * (c_out * ui.w + c_in * uj.w) + b.x * h * (c_out * g_out + c_in * g_in);
             sum = {sum.x + pull * b.n.x, sum.y + pull * b.n.y, sum.z + pull * b.n.z};
-            if (k.potential)
-              stretching += c_out * g_out * b.x * b.x * basis_value<real>(energies + STRETCH_BOND, e);
+            if (valued) stretching += c_out * g_out * b.x * b.x * basis.value;
           });
       const Wide4<real> start = gather(k.linear_start, part.index);
       store(k.force + i, part.count, Wide4<real>{sum.x, sum.y, sum.z, start.w});
