@@ -45,7 +45,7 @@ struct FluidModel {
   std::vector<Ghost> ghosts;             ///< numbered behind the particles
   double spacing = 0;                    ///< m
   std::uint32_t sorted() const { return count + static_cast<std::uint32_t>(ghosts.size()); }
-  std::vector<std::uint32_t> kind;       ///< of each particle: body, and from bit 24 on its fluid material
+  std::vector<std::uint32_t> kind; ///< of each particle: body, and from bit 24 on its fluid material
 };
 
 /// Throws Error(usage): more than 16 fluid materials, a period below three reaches.

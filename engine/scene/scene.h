@@ -213,9 +213,9 @@ struct FluidSettings {
   unsigned redistribution_iterations = 5; ///< a step
   /// "fickian", "newton", "printed" or "negated"; see fluid_redistribute.decl.
   std::string redistribution_form = "fickian";
-  unsigned viscosity_iterations = 100;    ///< a cap
-  double viscosity_tolerance = 1e-3;      ///< relative residual
-  std::optional<unsigned> neighbours;     ///< that the list of a particle has room for
+  unsigned viscosity_iterations = 100; ///< a cap
+  double viscosity_tolerance = 1e-3;   ///< relative residual
+  std::optional<unsigned> neighbours;  ///< that the list of a particle has room for
 };
 
 /// Where fluids may be: what leaves it is removed, or comes in again on the other side where it is periodic.
