@@ -268,7 +268,8 @@ Solved solve(Device& device, const NearCloud& cloud, bool ghosts, double toleran
              double rounding) {
   const auto places = static_cast<std::uint32_t>(cloud.places());
   Values all = begin_values(cloud, ghosts);
-  all["partial_count"] = {double((places + 127) / 128)};
+  const std::size_t groups = (places + 127) / 128;
+  all["partial_count"] = {double(groups)};
   all["cap"] = {cap}, all["tolerance"] = {tolerance}, all["rounding"] = {rounding};
   all["fluid_viscosity"] = std::vector<double>(VISCOSITY_ENTRIES, 0.0);
   for (const char* name : {"fluid_image", "fluid_direction", "fluid_direction_image"})
