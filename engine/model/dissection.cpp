@@ -122,6 +122,12 @@ void find_rows(const Model& model, Dissection& d) {
 
 } // namespace
 
+std::uint32_t Dissection::within(const Front& f, std::uint32_t wanted) const {
+  if (wanted < f.first + f.columns) return wanted - f.first;
+  const auto begin = row.begin() + f.row_begin, end = row.begin() + f.row_end;
+  return f.columns + static_cast<std::uint32_t>(std::lower_bound(begin, end, wanted) - begin);
+}
+
 double Dissection::entries() const {
   double sum = 0;
   for (const Front& f : fronts) sum += double(f.columns) * (double(f.columns) + f.rows());

@@ -28,6 +28,8 @@ struct Dissection {
   std::vector<std::uint32_t> row;   ///< places, front after front
   std::uint32_t levels = 0;
   static constexpr std::uint32_t nowhere = ~0u;
+  /// Which of a front's columns and rows a place is; it must be one of them.
+  std::uint32_t within(const Front& front, std::uint32_t wanted) const;
   /// Entries of the factor, with the zeros of its dense blocks.
   double entries() const;
 };

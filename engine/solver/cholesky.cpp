@@ -66,12 +66,6 @@ public:
   }
 
 private:
-  std::uint32_t position(const Front& f, std::uint32_t place) const {
-    if (place < f.first + f.columns) return place - f.first;
-    const auto begin = d_.row.begin() + f.row_begin, end = d_.row.begin() + f.row_end;
-    return f.columns + static_cast<std::uint32_t>(std::lower_bound(begin, end, place) - begin);
-  }
-
   /// The matrix in the front's columns: springs as stiff as bonds may get, and inertia.
   void gather(const Front& f, Dense& a) const {
     for (std::uint32_t column = 0; column < f.columns; ++column) {
@@ -80,7 +74,7 @@ private:
       for (std::uint32_t bond = model_.bonds.begin[i]; bond < model_.bonds.begin[i + 1]; ++bond) {
         const std::uint32_t j = model_.bonds.neighbour[bond], place = d_.place[j];
         if (place != Dissection::nowhere && place > f.first + column)
-          a(position(f, place), column) -= spring(i, bond) + spring(j, model_.bonds.reverse[bond]);
+          a(d_.within(f, place), column) -= spring(i, bond) + spring(j, model_.bonds.reverse[bond]);
       }
     }
   }
@@ -94,7 +88,7 @@ private:
     const Front& from = d_.fronts[child];
     const std::unique_ptr<Dense> left = std::move(remainder_[child]);
     std::vector<std::uint32_t> to(from.rows());
-    for (std::uint32_t k = 0; k < from.rows(); ++k) to[k] = position(f, d_.row[from.row_begin + k]);
+    for (std::uint32_t k = 0; k < from.rows(); ++k) to[k] = d_.within(f, d_.row[from.row_begin + k]);
     for (std::uint32_t column = 0; column < from.rows(); ++column)
       for (std::uint32_t row = column; row < from.rows(); ++row)
         a(to[row], to[column]) += (*left)(row, column);
@@ -150,15 +144,8 @@ FactorLayout lay_out(const Dissection& d) {
       if (f.child[c] < 0) continue;
       const auto child = static_cast<std::uint32_t>(f.child[c]);
       const Front& from = d.fronts[child];
-      for (std::uint32_t k = 0, to = 0; k < from.rows(); ++k) {
-        const std::uint32_t place = d.row[from.row_begin + k];
-        if (place < f.first + f.columns)
-          to = place - f.first;
-        else
-          to = f.columns + static_cast<std::uint32_t>(std::lower_bound(d.row.begin() + f.row_begin,
-                                                                       d.row.begin() + f.row_end, place) -
-                                                      (d.row.begin() + f.row_begin));
-        Uint4& slot = layout.slot[first + to];
+      for (std::uint32_t k = 0; k < from.rows(); ++k) {
+        Uint4& slot = layout.slot[first + d.within(f, d.row[from.row_begin + k])];
         (c == 0 ? slot.y : slot.z) = layout.first_slot[child] + from.columns + k;
       }
     }
