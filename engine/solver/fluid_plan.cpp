@@ -92,6 +92,8 @@ FluidPlan plan_fluid(const Scene& scene, const Model& model, bool statistics) {
   }
   plan.forces = plan_forces(scene, model, plan.model);
   list_forces(plan.forces, plan.model, statistics, plan.buffers, plan.kernels);
+  plan.bonds = fluid_bonds(scene, model, plan.model);
+  list_bonds(plan, statistics);
   return plan;
 }
 
