@@ -9,10 +9,11 @@
 //
 // in the one mixture of neighbouring powers of q that makes the lattice isotropic, <N_1^4> = 1/5 (in the
 // plane 3/8), so that Young's modulus is the one typed along all its directions: at the default reach
-// exactly; the reaches where no mixture does it say what they give. They sum to 1 on the lattice, not around
-// each particle, so that bonds pull alike at both ends and a lonely pair is weak, while averages (e_iso, the
-// rms of e - e_iso) are over a particle's own bonds: at surfaces matter is as much softer as neighbours are
-// fewer.
+// exactly; the reaches where no mixture does it say what they give. They sum to 1 on the lattice.
+// Averages (e_iso, the rms of e - e_iso) are over a particle's own bonds, and what it bears is shared out
+// among them, as long as their weights sum to nine tenths: matter in disorder has the moduli typed. Below
+// that bonds get no stronger, so that a lonely pair is weak: at surfaces matter is as much softer as
+// neighbours are fewer.
 #pragma once
 
 #include "engine/model/fluid.h"

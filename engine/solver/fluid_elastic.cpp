@@ -12,6 +12,7 @@
 #include "kernels/chebyshev_step.h"
 #include "kernels/fluid_bond_begin.h"
 #include "kernels/fluid_bond_carry.h"
+#include "kernels/fluid_bond_end.h"
 #include "kernels/fluid_bond_fit.h"
 #include "kernels/fluid_bond_flow.h"
 #include "kernels/fluid_bond_force.h"
@@ -21,7 +22,6 @@
 #include "kernels/fluid_bond_state.h"
 #include "kernels/fluid_bond_sum.h"
 #include "kernels/fluid_bond_was.h"
-#include "kernels/fluid_viscosity_apply.h"
 #include "kernels/guard_apply.h"
 #include "kernels/residual_control.h"
 
@@ -81,7 +81,7 @@ void list_bonds(FluidPlan& plan, bool statistics) {
     kernel(kernels::chebyshev_step::Args{.checked = checked, .contacts = plan.walls});
   kernel(kernels::residual_control::Args{});
   kernel(kernels::guard_apply::Args{});
-  kernel(kernels::fluid_viscosity_apply::Args{});
+  kernel(kernels::fluid_bond_end::Args{});
   if (plan.walls) {
     buffer("fluid_touched", Type::uint, places);
     buffer("fluid_frame", Type::uint, places);    // zeros: all places are in one frame,
@@ -320,11 +320,12 @@ void FluidElastic::solve(double step) {
     fluid_.exchange("fluid_displacement", "fluid_earlier");
     if (checked && check(k, step)) break;
   }
-  device_.run(kernels::fluid_viscosity_apply::Args{.threads = plan.model.places,
-                                                   .time_step = 1, // displacements for velocities
-                                                   .fluid_start = buffer("fluid_start"),
-                                                   .fluid_velocity = buffer("fluid_best"),
-                                                   .fluid_place = buffer("fluid_place")});
+  device_.run(kernels::fluid_bond_end::Args{.threads = plan.model.places,
+                                            .time_step = step,
+                                            .fluid_start = buffer("fluid_start"),
+                                            .fluid_best = buffer("fluid_best"),
+                                            .fluid_velocity = buffer("fluid_velocity"),
+                                            .fluid_place = buffer("fluid_place")});
 }
 
 void FluidElastic::settle(bool measured) {

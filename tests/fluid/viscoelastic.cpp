@@ -222,7 +222,7 @@ TEST(Viscoelastic, RigidMotionChangesNothing) {
 
 /// A bar that hangs from a ceiling to which it sticks; how much longer it is in the end, m.
 double hang(const Material& material, unsigned iterations, double tolerance, double* left = nullptr) {
-  const int nx = 5, ny = 12;
+  const int nx = 5, ny = 10;
   Points points = lattice(nx, ny, nx, spacing);
   for (Vector3& p : points) p += spacing * Vector3(0.5, 0.5 - ny, 0.5);
   Stage stage = bonded_stage(points, spacing, 1. / 60, material);
@@ -236,7 +236,7 @@ double hang(const Material& material, unsigned iterations, double tolerance, dou
   ceiling.slip = false;
   const auto device = open_double();
   Simulation simulation(*device, stage.scene, stage.model);
-  for (int k = 0; k < 120; ++k) simulation.step();
+  for (int k = 0; k < 60; ++k) simulation.step();
   const StepStatistics row = simulation.take_statistics().back();
   if (left) *left = row.residual;
   EXPECT_LT(row.largest_speed, 0.02);
@@ -247,8 +247,8 @@ double hang(const Material& material, unsigned iterations, double tolerance, dou
 
 TEST(Viscoelastic, HangsByGhostsAndItsStretchDoesNotDependOnIterations) {
   const Material material = viscoelastic(2e5, 0.3);
-  const double once = hang(material, 500, 1e-6), twice = hang(material, 1000, 1e-9);
-  const double length = 12 * spacing, theory = 1000 * 9.81 * length * length / 2 / 2e5;
+  const double once = hang(material, 300, 1e-4), twice = hang(material, 600, 1e-6);
+  const double length = 10 * spacing, theory = 1000 * 9.81 * length * length / 2 / 2e5;
   report("stretch of the hanging bar over that of a slender one", once / theory);
   EXPECT_GT(once / theory, 0.9); // surfaces have fewer bonds: thin bars are softer
   EXPECT_LT(once / theory, 1.6);
@@ -261,7 +261,7 @@ Stage column_stage(const Material& material, int nx, int ny) {
   for (Vector3& p : points) p += spacing * Vector3(0.5, 0.5, 0.5);
   Stage stage = bonded_stage(points, spacing, 1. / 100, material);
   stage.scene.simulation.gravity = {0, -9.81, 0};
-  stage.scene.solver.tolerance = 1e-3;
+  stage.scene.solver.tolerance = 1e-2;
   Boundary& ground = stage.scene.boundaries.emplace_back();
   ground.shape.kind = Shape::Kind::plane;
   ground.friction = 0.5;
@@ -274,20 +274,20 @@ double height_of(const Points& points) {
 }
 
 TEST(Viscoelastic, ClayStandsAndHoneyDoesNot) {
-  const double full = 12 * spacing; // 2350 Pa at the bottom
+  const double full = 10 * spacing; // 1960 Pa at the bottom
   for (const auto& [name, cohesion, spread] :
        {std::tuple{"clay", 4000., 0.}, {"clay, spread", 4000., 1.}, {"soft", 200., 0.}}) {
     Material material = yielding(viscoelastic(1e5, 0.3), cohesion);
     material.redistribution = spread;
-    const Stage stage = column_stage(material, 6, 12);
+    const Stage stage = column_stage(material, 5, 10);
     const auto device = open_double();
     Simulation simulation(*device, stage.scene, stage.model);
-    for (int k = 0; k < 100; ++k) simulation.step();
+    for (int k = 0; k < 60; ++k) simulation.step();
     const double height = height_of(simulation.positions()) / full;
-    for (int k = 0; k < 100; ++k) simulation.step();
+    for (int k = 0; k < 60; ++k) simulation.step();
     const double later = height_of(simulation.positions()) / full;
     const StepStatistics row = simulation.take_statistics().back();
-    std::printf("  %s: height %.4f after 1 s, %.4f after 2 s, plastic strain %.3f, energy %.3g J\n", name,
+    std::printf("  %s: height %.4f after 0.6 s, %.4f after 1.2 s, plastic strain %.3f, energy %.3g J\n", name,
                 height, later, row.plastic_strain, row.kinetic_energy);
     if (cohesion > 1000) {
       EXPECT_GT(later, 0.93) << name;

@@ -1,8 +1,10 @@
 // Bonds between neighbours of now: forces against the energy, the return to the yield surface, and the rest
 // lengths that follow.
 #include "kernels/fluid_bond_begin.h"
+#include "kernels/fluid_bond_end.h"
 #include "kernels/fluid_bond_flow.h"
 #include "kernels/fluid_bond_force.h"
+#include "kernels/fluid_bond_hold.h"
 #include "kernels/fluid_bond_return.h"
 #include "kernels/fluid_bond_state.h"
 #include "kernels/fluid_bond_sum.h"
@@ -129,13 +131,14 @@ TEST_P(FluidBondForce, StateAndForce) {
         // A rms from squares less the square of the mean: as much wrong as that is smaller. Strains are
         // differences of lengths twenty times as long.
         stay.set(4 * i, all[i].stays, 60);
+        stay.set(4 * i + 2, p.k(i) / std::max(all[i].weight, FULL_BONDS), p.k(i));
         stay.set(4 * i + 1, (p.of(i).ratio * all[i].stays_isotropic - all[i].stays) * all[i].isotropic, 6);
       }
       EXPECT_EQ(yielding > 10 && yielding < n - 20, plastic) << yielding;
       in["fluid_stay"] = expect_kernel<State>(GetParam(), places, chosen<State>(in), {{"fluid_stay", stay}},
                                               20)["fluid_stay"];
       for (std::size_t i = 0; i < places; ++i)
-        for (std::size_t c = 0; c < 2; ++c)
+        for (std::size_t c = 0; c < 3; ++c)
           in["fluid_stay"][4 * i + c] = rounded(in["fluid_stay"][4 * i + c]);
       in["bound"] = {1.5};
       in["fluid_force"] = guarded(std::vector<double>(std::size_t{4} * places, sentinel), 4);
@@ -152,7 +155,7 @@ TEST_P(FluidBondForce, StateAndForce) {
           if (i == j || !(from.norm() < p.cloud.support_in_float()) || !p.bonded(i, j)) continue;
           const double x = p.rest(i, j), e = y.norm() / x - 1, w = weight_at(p.cloud, from) / x;
           f += w * (part(i, e) + part(j, e)) * y.normalized();
-          stiffness += 1.5 * w / x * (p.k(i) + p.k(j));
+          stiffness += 1.5 * w / x * (in["fluid_stay"][4 * i + 2] + in["fluid_stay"][4 * j + 2]);
           scale += w * (p.k(i) + p.k(j)); // of strains that are differences of ones
         }
         set_vector(force, i, f, Vector3::Constant(scale));
@@ -176,7 +179,8 @@ double potential(const Problem& p, bool plastic) {
     double shear = n.square;
     const double most = m.strength / m.shear, rms = std::sqrt(n.square);
     if (plastic && rms > most) shear = 2 * most * rms - most * most;
-    sum += p.k(i) / 2 * n.weight * (shear + m.ratio * n.isotropic * n.isotropic);
+    sum += p.k(i) / 2 * n.weight / std::max(n.weight, FULL_BONDS) *
+           (shear + m.ratio * n.isotropic * n.isotropic);
   }
   return sum;
 }
@@ -338,6 +342,49 @@ TEST_P(FluidBondForce, ReturnAndSum) {
   for (std::size_t k = 0; k < 6; ++k) row.set(6 + k, values[k], scale[k]);
   EXPECT_GT(flowing, 10);
   expect_kernel<Sum>(GetParam(), kernel::fluid_bond_sum::group_size, sums, {{"bond_row", row}}, 16);
+}
+
+TEST_P(FluidBondForce, WhatDoesNotFlowStays) {
+  for (const bool plastic : {false, true})
+    for (const std::size_t size : awkward_sizes) {
+      Random random(kernel_seed + 314);
+      Values in{{"plastic", {double(plastic)}}};
+      in["fluid_before"] = random_groups(random, size, 1);
+      in["fluid_place"] = guarded(random_groups(random, size, 1), 4);
+      Expected place(in["fluid_place"]);
+      for (std::size_t i = 0; i < size; ++i) {
+        const double lost = i % 4 == 0 ? 0 : i % 4 == 1 ? 0.5 : 0.0625;
+        const double share = plastic ? std::min(10 * lost, 1.) : 0;
+        in["fluid_stay"].insert(in["fluid_stay"].end(), {1, 0, i % 5 ? 2. : 0, 0});
+        if (plastic) in["fluid_flow"].insert(in["fluid_flow"].end(), {0, 0, 0, 0, 0, 1, 1 - lost, 0});
+        if (i % 5 == 0 || share >= 1) continue;
+        const Vector3 before = vector_at(in["fluid_before"], i), now = vector_at(in["fluid_place"], i);
+        set_vector(place, i, before + share * (now - before), before.cwiseAbs() + now.cwiseAbs());
+      }
+      expect_kernel<kernel::fluid_bond_hold::Args>(GetParam(), static_cast<std::uint32_t>(size), in,
+                                                   {{"fluid_place", place}}, 2);
+    }
+}
+
+TEST_P(FluidBondForce, EndsInPlacesAndVelocities) {
+  for (const std::size_t size : awkward_sizes) {
+    Random random(kernel_seed + 315);
+    Values in{{"time_step", {0.0625}}};
+    in["fluid_start"] = random_groups(random, size, 1);
+    in["fluid_best"] = random_groups(random, size, 0.01);
+    in["fluid_velocity"] = guarded(random_groups(random, size, 1), 4);
+    in["fluid_place"] = guarded(random_groups(random, size, 1), 4);
+    Expected place(in["fluid_place"]), velocity(in["fluid_velocity"]);
+    for (std::size_t i = 0; i < size; ++i) {
+      in["fluid_place"][4 * i + 3] = place.value[4 * i + 3] = i % 3 == 0 ? -1 : 0.5;
+      if (i % 3 == 0) continue;
+      const Vector3 start = vector_at(in["fluid_start"], i), u = vector_at(in["fluid_best"], i);
+      set_vector(place, i, start + u, start.cwiseAbs() + u.cwiseAbs());
+      set_vector(velocity, i, 16 * u, Vector3::Zero());
+    }
+    expect_kernel<kernel::fluid_bond_end::Args>(GetParam(), static_cast<std::uint32_t>(size), in,
+                                                {{"fluid_place", place}, {"fluid_velocity", velocity}}, 2);
+  }
 }
 
 TEST_P(FluidBondForce, RestLengthsFlowAlikeAtBothEnds) {

@@ -167,7 +167,7 @@ Fitted rest_lengths(const DeviceChoice& choice, const NearCloud& cloud, const Re
   Fitted found{bond_values(cloud, rest), {}, {}};
   const auto places = static_cast<std::uint32_t>(cloud.places());
   Values in = found.in;
-  in["excess"] = {rounded(1.25 * std::sqrt(cloud.dimension == 2 ? 2. : 5.))};
+  in["excess"] = {rounded(2 * std::sqrt(cloud.dimension == 2 ? 2. : 5.))};
   in["least_rest"] = {rounded(1e-3 * cloud.spacing)};
   for (std::size_t i = 0; i < places; ++i)
     in["fluid_fit"].insert(in["fluid_fit"].end(), {1, 1, 1, 0, 0, 0, 1, 1});
@@ -238,7 +238,7 @@ TEST_P(FluidBond, ScatteredStatesAreBounded) {
   const NearCloud cloud = jittered_cube(6, 0.2, kernel_seed + 304);
   const auto fresh = [](std::size_t i, std::size_t j) { return (i + j) % 5 == 0; };
   const RestOf rest = [&](std::size_t i, std::size_t j) {
-    return fresh(i, j) ? BOND_NEW : rounded(cloud.between(i, j).norm() * (1 + 0.2 * pair_number(i, j, 3)));
+    return fresh(i, j) ? BOND_NEW : rounded(cloud.between(i, j).norm() * (1 + 0.1 * pair_number(i, j, 3)));
   };
   const Fitted found = rest_lengths(GetParam(), cloud, rest);
   const auto list = cloud.lists();
@@ -252,7 +252,7 @@ TEST_P(FluidBond, ScatteredStatesAreBounded) {
       sum += w, first += w * e, second += w * e * e;
     }
     const double mean = first / sum, rms = std::sqrt(second / sum - mean * mean);
-    bounds.push_back({1 + mean - 1.25 * std::sqrt(5.) * rms, 1 + mean + 1.25 * std::sqrt(5.) * rms});
+    bounds.push_back({1 + mean - 2 * std::sqrt(5.) * rms, 1 + mean + 2 * std::sqrt(5.) * rms});
   }
   for_each_entry(cloud, found.in, [&](std::size_t i, std::size_t j, std::size_t entry) {
     if (!fresh(i, j)) return;

@@ -406,7 +406,7 @@ TEST_P(PlanTruth, BondsOfFluidsAreThoseAskedFor) {
         if (flows) used.emplace_back("plasticity");
         if (walls) used.insert(used.end(), {"statistics", "divergence"});
         EXPECT_EQ(truth.plan.used, used);
-        EXPECT_EQ(kernels_of(truth.plan).count("fluid_bond_state"), flows || spread ? 1u : 0u);
+        EXPECT_EQ(kernels_of(truth.plan).count("fluid_bond_hold"), spread ? 1u : 0u);
         EXPECT_EQ(kernels_of(truth.plan).count("fluid_bond_flow"), flows || spread ? 1u : 0u);
         EXPECT_EQ(kernels_of(truth.plan).count("fluid_bond_return"), flows || walls ? 1u : 0u);
       }

@@ -14,7 +14,7 @@ using RestOf = std::function<double(std::size_t, std::size_t)>;
 
 /// Weights as a material's at the default reach are, exact in float.
 inline std::array<double, 3> kernel_weights() {
-  return {0, rounded(0.6), rounded(0.25)};
+  return {0, 0.25, 0.125}; // neighbourhoods inside sum to more than FULL_BONDS, at surfaces to less
 }
 inline double weight_at(const NearCloud& cloud, const Vector3& y) {
   const auto w = kernel_weights();

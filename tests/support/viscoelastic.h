@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/model/fluid_bonds.h"
+#include "shaders/common/fluid_bond.glsl"
 #include "tests/support/fluids.h"
 
 namespace pliant::test {
@@ -67,13 +68,13 @@ inline Matrix3 stress_of(Simulation& simulation, const Stage& stage,
   const std::vector<FluidBond> bonds = bonds_of(simulation, stage);
   const FluidElasticity& matter = simulation.fluid()->plan().bonds.materials.at(0);
   const std::size_t n = stage.model.count();
-  std::vector<double> sum(n, 0), mean(n, 0);
+  std::vector<double> sum(n, 0), mean(n, 0), k(n, 0);
   for (const FluidBond& bond : bonds) {
     sum[bond.i] += bond.weight;
     mean[bond.i] += bond.weight * (bond.y.norm() / bond.rest - 1);
   }
   for (std::size_t i = 0; i < n; ++i)
-    if (sum[i] > 0) mean[i] /= sum[i];
+    if (sum[i] > 0) mean[i] /= sum[i], k[i] = matter.bond / std::max(sum[i], FULL_BONDS);
   const Points at = simulation.positions();
   Matrix3 stress = Matrix3::Zero();
   double volume = 0;
@@ -82,8 +83,9 @@ inline Matrix3 stress_of(Simulation& simulation, const Stage& stage,
   for (const FluidBond& bond : bonds) {
     if (!chosen(at[bond.i])) continue;
     const double e = bond.y.norm() / bond.rest - 1;
-    const double pull = bond.weight / bond.rest * matter.bond *
-                        (2 * e + (matter.volumetric - 1) * (mean[bond.i] + mean[bond.j]));
+    const double pull = bond.weight / bond.rest *
+                        (k[bond.i] * (e + (matter.volumetric - 1) * mean[bond.i]) +
+                         k[bond.j] * (e + (matter.volumetric - 1) * mean[bond.j]));
     stress += 0.5 * pull / bond.y.norm() * bond.y * bond.y.transpose() / volume;
   }
   return stress;
