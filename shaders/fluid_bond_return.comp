@@ -36,7 +36,7 @@ void main() {
                   (stays.y * (1.0 - stays.y) * square + bonds.y * stays.x * (1.0 - stays.x) * isotropic * isotropic);
     fluid_flow[2u * i] = vec4(so_far.x + stays.z, so_far.y + taken,
                               so_far.z + bonds.w * dimension * (1.0 - stays.x) * isotropic, stays.w);
-    fluid_flow[2u * i + 1u] = vec4(isotropic, stays.xy, 0.0);
+    fluid_flow[2u * i + 1u] = vec4(isotropic, stays.xy, equivalent * (1.0 - stays.y) * sqrt(square));
 #endif
     stored = 0.5 * stay.z * sum *
              (stays.y * stays.y * square + bonds.y * stays.x * stays.x * isotropic * isotropic);

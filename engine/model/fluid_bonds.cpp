@@ -88,6 +88,7 @@ FluidBonds fluid_bonds(const Scene& scene, const Model& model, const FluidModel&
   const Neighbourhood neighbourhood = model.dimension == 3                 ? Neighbourhood::solid
                                       : scene.simulation.plane == "stress" ? Neighbourhood::plane_stress
                                                                            : Neighbourhood::plane_strain;
+  bonds.equivalent = std::sqrt(model.dimension == 2 ? 8. / 3 : 5.);
   choose_weights(bonds, fluid.smoothing, fluid.spacing);
   // sum of w / x^2 over the lattice
   double closeness = 0;
@@ -109,7 +110,6 @@ FluidBonds fluid_bonds(const Scene& scene, const Model& model, const FluidModel&
     elastic.plastic = material.plastic.given;
     if (elastic.plastic) {
       elastic.surface = yield_surface(material, neighbourhood);
-      bonds.equivalent = elastic.surface.equivalent;
     }
     bonds.plastic = bonds.plastic || elastic.plastic;
     bonds.relaxes = bonds.relaxes || elastic.relaxation > 0;

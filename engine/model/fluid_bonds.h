@@ -37,7 +37,7 @@ struct FluidBonds {
   double weight[3] = {0, 0, 0};           ///< w0, w2, w4
   double isotropy = 0;                    ///< <N_1^4> of the lattice, over that of isotropic matter
   double bound = 1;                       ///< the largest of 1 and a / b
-  double equivalent = 1;                  ///< of yield surfaces
+  double equivalent = 1;                  ///< equivalent strain of a deviatoric one of mean square 1
   double stiffness = 0;                   ///< 1/s2: the largest K_i / m_i on the lattice
   std::vector<FluidElasticity> materials; ///< of each fluid material, in the scene's order
   bool flows() const { return plastic || relaxes; }

@@ -40,6 +40,9 @@ constexpr double excess_slack = 2;
 constexpr double least_rest = 1e-3, largest_rest = 20; ///< spacings
 // K_i where particles crowd, over that of the lattice.
 constexpr double crowding = 1.5;
+// Spacings that a particle is redistributed by at most, over the strain that flowed in the step. With more,
+// or with all of it, what is moved flows because it is, and a heap of clay never comes to rest.
+constexpr double spread_by_flow = 0.25;
 // Iterations between looks at the residual.
 constexpr unsigned look_every = 4;
 
@@ -353,6 +356,7 @@ void FluidElastic::hold() {
   device_.enter(plan.bonds.flows() ? "plasticity" : "elasticity");
   device_.run(kernels::fluid_bond_hold::Args{.threads = plan.model.places,
                                              .plastic = plan.bonds.flows(),
+                                             .rate = spread_by_flow * plan.model.spacing,
                                              .fluid_before = fluid_.buffer("fluid_before"),
                                              .fluid_stay = fluid_.buffer("fluid_stay"),
                                              .fluid_flow = fluid_.buffer("fluid_flow"),

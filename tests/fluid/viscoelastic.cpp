@@ -220,9 +220,9 @@ TEST(Viscoelastic, RigidMotionChangesNothing) {
   expect_below("away from the shape it had, spacings", worst / spacing, 0.01);
 }
 
-/// A bar that hangs from a ceiling to which it sticks; how much longer it is in the end, m.
-double hang(const Material& material, unsigned iterations, double tolerance, double* left = nullptr) {
-  const int nx = 5, ny = 10;
+/// How much longer a bar is after so many steps that hangs from a ceiling to which it sticks, m.
+double hang(const Material& material, unsigned steps, unsigned iterations, double tolerance) {
+  const int nx = 5, ny = 8;
   Points points = lattice(nx, ny, nx, spacing);
   for (Vector3& p : points) p += spacing * Vector3(0.5, 0.5 - ny, 0.5);
   Stage stage = bonded_stage(points, spacing, 1. / 60, material);
@@ -236,23 +236,23 @@ double hang(const Material& material, unsigned iterations, double tolerance, dou
   ceiling.slip = false;
   const auto device = open_double();
   Simulation simulation(*device, stage.scene, stage.model);
-  for (int k = 0; k < 60; ++k) simulation.step();
-  const StepStatistics row = simulation.take_statistics().back();
-  if (left) *left = row.residual;
-  EXPECT_LT(row.largest_speed, 0.02);
+  for (unsigned k = 0; k < steps; ++k) simulation.step();
   double low = 0;
   for (const Vector3& p : simulation.positions()) low = std::min(low, p.y());
   return -low - (ny - 0.5) * spacing;
 }
 
 TEST(Viscoelastic, HangsByGhostsAndItsStretchDoesNotDependOnIterations) {
-  const Material material = viscoelastic(2e5, 0.3);
-  const double once = hang(material, 300, 1e-4), twice = hang(material, 600, 1e-6);
-  const double length = 10 * spacing, theory = 1000 * 9.81 * length * length / 2 / 2e5;
-  report("stretch of the hanging bar over that of a slender one", once / theory);
-  EXPECT_GT(once / theory, 0.9); // surfaces have fewer bonds: thin bars are softer
-  EXPECT_LT(once / theory, 1.6);
-  expect_below("stretch with twice the iterations, relative", std::abs(twice / once - 1), 1e-3);
+  const Material material = viscoelastic(1e5, 0.3);
+  const double once = hang(material, 3, 200, 1e-3), twice = hang(material, 3, 400, 1e-6);
+  expect_below("stretch on the way, with more iterations, relative", std::abs(twice / once - 1), 1e-3);
+  const double stretch = hang(material, 40, 200, 1e-3);
+  const double length = 8 * spacing, theory = 1000 * 9.81 * length * length / 2 / 1e5;
+  report("stretch of the hanging bar over that of a slender one", stretch / theory);
+  EXPECT_GT(stretch / theory, 0.9); // surfaces have fewer bonds: thin bars are softer
+  EXPECT_LT(stretch / theory, 1.5);
+  expect_below("still stretching, of the stretch", std::abs(hang(material, 50, 200, 1e-3) / stretch - 1),
+               1e-3);
 }
 
 /// Clay on a floor, beside it what the law says.
@@ -303,17 +303,17 @@ INSTANTIATE_TEST_SUITE_P(Devices, ViscoelasticDevice, testing::ValuesIn(device_c
 
 /// Two balls of clay that meet, on a floor, between sides that repeat.
 Stage meeting() {
-  Material material = yielding(viscoelastic(1e5, 0.3), 500, 20, 1000);
+  Material material = yielding(viscoelastic(1e4, 0.3), 100, 20, 200);
   material.relaxation_time = 0.5;
   material.redistribution = 0.5;
   material.viscosity = 1;
   Points points;
-  for (const Vector3& p : lattice(7, 6, 6, spacing)) points.push_back(p + Vector3(0.01, 0.011, 0.01));
+  for (const Vector3& p : lattice(6, 5, 5, spacing)) points.push_back(p + Vector3(0.01, 0.011, 0.01));
   Stage stage = bonded_stage(points, spacing, 1. / 200, material);
   for (std::size_t i = 0; i < stage.model.count(); ++i)
     stage.model.velocity[i] = stage.model.position[i].x() < 0.07 ? Vector3(2, 0, 0.2) : Vector3(-1, -1, 0);
   stage.scene.simulation.gravity = {0, -9.81, 0};
-  stage.scene.solver.tolerance = 1e-3;
+  stage.scene.solver.tolerance = 1e-2;
   repeat(stage.scene, {-0.1, -1, -0.1}, {0.3, 1, 0.3}, {true, false, true});
   Boundary& ground = stage.scene.boundaries.emplace_back();
   ground.shape.kind = Shape::Kind::plane;
@@ -327,7 +327,7 @@ TEST_P(ViscoelasticDevice, SameBitsForAnyNumberOfThreads) {
   for (const unsigned threads : {1u, 2u}) {
     const auto device = open_alone(GetParam(), threads);
     Simulation simulation(*device, stage.scene, stage.model);
-    for (int k = 0; k < 12; ++k) simulation.step();
+    for (int k = 0; k < 8; ++k) simulation.step();
     if (first.empty()) first = simulation.hash();
     EXPECT_EQ(simulation.hash(), first) << threads << " threads";
     EXPECT_GT(simulation.take_statistics().back().yielding, 0u);
@@ -341,17 +341,17 @@ TEST_P(ViscoelasticDevice, GoesOnFromASavedStateInTheSameBits) {
   request.divergence = true;
   Simulation whole(*device, stage.scene, stage.model, request),
       later(*device, stage.scene, stage.model, request), snapped(*device, stage.scene, stage.model, request);
-  for (int k = 0; k < 7; ++k) whole.step();
+  for (int k = 0; k < 5; ++k) whole.step();
   const SavedState saved = whole.save();
   const Snapshot state = whole.snapshot();
   whole.keep();
-  for (int k = 0; k < 6; ++k) whole.step();
+  for (int k = 0; k < 4; ++k) whole.step();
   later.load(saved);
-  for (int k = 0; k < 6; ++k) later.step();
+  for (int k = 0; k < 4; ++k) later.step();
   EXPECT_EQ(later.hash(), whole.hash());
   EXPECT_EQ(later.plastic_strain(), whole.plastic_strain());
   snapped.restore(state);
-  for (int k = 0; k < 6; ++k) snapped.step();
+  for (int k = 0; k < 4; ++k) snapped.step();
   double apart = 0;
   const Points a = snapped.positions(), b = whole.positions();
   for (std::size_t i = 0; i < a.size(); ++i) apart = std::max(apart, (a[i] - b[i]).norm());
@@ -359,7 +359,7 @@ TEST_P(ViscoelasticDevice, GoesOnFromASavedStateInTheSameBits) {
                GetParam().precision == Precision::double_precision ? 1e-8 : 1e-2);
   const std::string hash = whole.hash();
   whole.rewind();
-  for (int k = 0; k < 6; ++k) whole.step();
+  for (int k = 0; k < 4; ++k) whole.step();
   EXPECT_EQ(whole.hash(), hash);
   whole.rewind();
   whole.step_divided(2);

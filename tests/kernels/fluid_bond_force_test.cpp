@@ -318,6 +318,7 @@ TEST_P(FluidBondForce, ReturnAndSum) {
     flow.set(8 * i + 4, s.isotropic, 2);
     flow.set(8 * i + 5, s.stays_isotropic, 60);
     flow.set(8 * i + 6, s.stays, 60);
+    flow.set(8 * i + 7, equivalent * (1 - s.stays) * std::sqrt(s.square), 60);
     energy.set(i, (shear * s.stays * s.stays + volume * s.stays_isotropic * s.stays_isotropic) / 2,
                p.k(i) * s.weight);
   }
@@ -348,21 +349,20 @@ TEST_P(FluidBondForce, WhatDoesNotFlowStays) {
   for (const bool plastic : {false, true})
     for (const std::size_t size : awkward_sizes) {
       Random random(kernel_seed + 314);
-      Values in{{"plastic", {double(plastic)}}};
+      Values in{{"plastic", {double(plastic)}}, {"rate", {0.5}}};
       in["fluid_before"] = random_groups(random, size, 1);
       in["fluid_place"] = guarded(random_groups(random, size, 1), 4);
       Expected place(in["fluid_place"]);
       for (std::size_t i = 0; i < size; ++i) {
-        const double lost = i % 4 == 0 ? 0 : i % 4 == 1 ? 0.5 : 0.0625;
-        const double share = plastic ? std::min(10 * lost, 1.) : 0;
+        const double flowed = i % 4 == 0 ? 0 : i % 4 == 1 ? 8 : 0.25, most = plastic ? 0.5 * flowed : 0;
         in["fluid_stay"].insert(in["fluid_stay"].end(), {1, 0, i % 5 ? 2. : 0, 0});
-        if (plastic) in["fluid_flow"].insert(in["fluid_flow"].end(), {0, 0, 0, 0, 0, 1, 1 - lost, 0});
-        if (i % 5 == 0 || share >= 1) continue;
+        if (plastic) in["fluid_flow"].insert(in["fluid_flow"].end(), {0, 0, 0, 0, 0, 1, 0.5, flowed});
         const Vector3 before = vector_at(in["fluid_before"], i), now = vector_at(in["fluid_place"], i);
-        set_vector(place, i, before + share * (now - before), before.cwiseAbs() + now.cwiseAbs());
+        if (i % 5 == 0 || (now - before).norm() <= most) continue;
+        set_vector(place, i, before + most * (now - before).normalized(), before.cwiseAbs() + now.cwiseAbs());
       }
       expect_kernel<kernel::fluid_bond_hold::Args>(GetParam(), static_cast<std::uint32_t>(size), in,
-                                                   {{"fluid_place", place}}, 2);
+                                                   {{"fluid_place", place}}, 4);
     }
 }
 

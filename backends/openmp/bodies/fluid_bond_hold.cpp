@@ -9,16 +9,13 @@ template <class real> void fluid_bond_hold(const kernels::fluid_bond_hold::View<
 #pragma omp parallel for schedule(static)
   for (uint i = 0; i < k.threads; ++i) {
     if (!(k.fluid_stay[i].z > 0)) continue;
-    real share = 0;
-    if (k.plastic) {
-      const auto stays = k.fluid_flow[2 * std::size_t{i} + 1];
-      share = 10 * (1 - smaller(stays.y, stays.z));
-    }
-    if (!(share < 1)) continue;
-    const auto before = k.fluid_before[i];
+    const real most = k.plastic ? k.rate * k.fluid_flow[2 * std::size_t{i} + 1].w : 0;
     auto& place = k.fluid_place[i];
-    place = {before.x + share * (place.x - before.x), before.y + share * (place.y - before.y),
-             before.z + share * (place.z - before.z), place.w};
+    const Vec3<real> before = xyz(k.fluid_before[i]), shift = xyz(place) - before;
+    const real size = norm(shift);
+    if (!(size > most)) continue;
+    const Vec3<real> kept = before + (most / size) * shift;
+    place.x = kept.x, place.y = kept.y, place.z = kept.z;
   }
 }
 

@@ -43,7 +43,8 @@ template <class real> void fluid_bond_return(const kernels::fluid_bond_return::V
                       volumetric * stays.isotropic * (1 - stays.isotropic);
           so_far.z += bonds.w * k.dimension * (1 - stays.isotropic) * isotropic;
           so_far.w = stays.yields ? 1 : 0;
-          k.fluid_flow[2 * i + 1] = {isotropic, stays.isotropic, stays.deviatoric, 0};
+          k.fluid_flow[2 * i + 1] = {isotropic, stays.isotropic, stays.deviatoric,
+                                     k.equivalent * (1 - stays.deviatoric) * root(square)};
         }
         stored = (deviatoric * stays.deviatoric * stays.deviatoric +
                   volumetric * stays.isotropic * stays.isotropic) /
