@@ -31,6 +31,7 @@ void main() {
 #if plastic
     vec4 so_far = fluid_flow[2u * i];
     stays = what_stays(fluid_elastic[row + ELASTIC_YIELD], bonds.z, isotropic, square, so_far.x, equivalent);
+    stays.x *= stays.y;
     // The stress that stays times the strain that flows.
     float taken = stay.z * sum *
                   (stays.y * (1.0 - stays.y) * square + bonds.y * stays.x * (1.0 - stays.x) * isotropic * isotropic);

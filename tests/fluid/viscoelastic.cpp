@@ -194,7 +194,7 @@ TEST(Viscoelastic, RigidMotionChangesNothing) {
   simulation.step();
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> first;
   for (const FluidBond& bond : bonds_of(simulation, stage)) first[{bond.i, bond.j}] = bond.rest;
-  for (int k = 1; k < 150; ++k) simulation.step();
+  for (int k = 1; k < 100; ++k) simulation.step();
   std::size_t same = 0, all = 0;
   for (const FluidBond& bond : bonds_of(simulation, stage)) {
     const auto found = first.find({bond.i, bond.j});
@@ -275,10 +275,9 @@ double height_of(const Points& points) {
 
 TEST(Viscoelastic, ClayStandsAndHoneyDoesNot) {
   const double full = 10 * spacing; // 1960 Pa at the bottom
-  for (const auto& [name, cohesion, spread] :
-       {std::tuple{"clay", 4000., 0.}, {"clay, spread", 4000., 1.}, {"soft", 200., 0.}}) {
+  for (const auto& [name, cohesion, spread] : {std::tuple{"clay, spread", 4000., 1.}, {"soft", 200., 0.}}) {
     Material material = yielding(viscoelastic(1e5, 0.3), cohesion);
-    material.redistribution = spread;
+    material.redistribution = spread; // of what does not flow
     const Stage stage = column_stage(material, 5, 10);
     const auto device = open_double();
     Simulation simulation(*device, stage.scene, stage.model);
@@ -293,6 +292,11 @@ TEST(Viscoelastic, ClayStandsAndHoneyDoesNot) {
       EXPECT_GT(later, 0.93) << name;
       EXPECT_GT(later, height - 0.01) << name << " creeps";
     } else {
+      // What has flowed in long steps is no smaller for it: bonds are as long as they rest, in the mean.
+      double strains = 0, weights = 0;
+      for (const FluidBond& bond : bonds_of(simulation, stage))
+        strains += bond.weight * (bond.y.norm() / bond.rest - 1), weights += bond.weight;
+      expect_below("mean strain of bonds after the slump", std::abs(strains / weights), 0.01);
       EXPECT_LT(later, 0.6) << name;
     }
   }

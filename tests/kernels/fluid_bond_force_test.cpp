@@ -304,7 +304,8 @@ TEST_P(FluidBondForce, ReturnAndSum) {
   for (std::size_t i = 0; i < places; ++i) {
     energy.set(i, 0);
     if (i >= n || !(p.k(i) > 0)) continue;
-    const Neighbourhood s = look(end, i, true);
+    Neighbourhood s = look(end, i, true);
+    s.stays_isotropic *= s.stays; // what flows loses its pressure
     const Matter& m = p.of(i);
     const double shear = p.k(i) * s.weight * s.square,
                  volume = p.k(i) * s.weight * m.ratio * s.isotropic * s.isotropic;

@@ -37,6 +37,7 @@ template <class real> void fluid_bond_return(const kernels::fluid_bond_return::V
         if (k.plastic) {
           auto& so_far = k.fluid_flow[2 * i];
           stays = what_stays(rows[ELASTIC_YIELD], bonds.z, isotropic, square, so_far.x, k.equivalent);
+          stays.isotropic *= stays.deviatoric;
           so_far.x += stays.strain;
           // The stress that stays times the strain that flows.
           so_far.y += deviatoric * stays.deviatoric * (1 - stays.deviatoric) +
