@@ -185,28 +185,26 @@ void Fluid::find(double step) {
 }
 
 void Fluid::shift() {
-  kernels::fluid_shift::Args args{
-      .threads = plan_.model.places, .walls = plan_.walls, .rows = plan_.model.rows};
-  args.fluid_material = buffer("fluid_material");
-  args.fluid_velocity = buffer("fluid_velocity");
-  args.fluid_wall = buffer("fluid_wall");
+  kernels::fluid_shift::Args args{.threads = plan_.model.places, .rows = plan_.model.rows};
   args.support = plan_.model.smoothing.support;
   args.slope_scale = plan_.model.smoothing.spline_gradient();
   in_period(args);
-  args.fluid_place = buffer("fluid_place");
   args.fluid_lambda = buffer("fluid_lambda");
+  args.fluid_pull = buffer("fluid_pull");
   args.near_count = buffer("near_count");
   args.near = buffer("near");
-  args.fluid_shift = buffer("fluid_shift");
+  args.fluid_start = buffer("fluid_start");
+  args.fluid_moved = buffer("fluid_moved");
+  args.fluid_place = buffer("fluid_place");
   device_.run(args);
-  swap(buffers_.at("fluid_place"), buffers_.at("fluid_shift"));
 }
 
-void Fluid::project() {
+void Fluid::project(bool spread) {
   if (!plan_.walls) return;
   device_.enter("boundaries");
   device_.run(kernels::fluid_project::Args{.threads = plan_.model.places,
                                            .meshes = plan_.meshes,
+                                           .spread = spread,
                                            .obstacles = obstacles_.count(),
                                            .radius = plan_.model.reach / scene_.fluid.horizon / 2,
                                            .support = plan_.model.smoothing.support,
@@ -216,7 +214,8 @@ void Fluid::project() {
                                            .fluid_start = buffer("fluid_start"),
                                            .grid_distance = buffer("grid_distance"),
                                            .fluid_place = buffer("fluid_place"),
-                                           .fluid_wall = buffer("fluid_wall")});
+                                           .fluid_wall = buffer("fluid_wall"),
+                                           .fluid_moved = buffer("fluid_moved")});
   device_.enter("density");
 }
 
@@ -237,6 +236,7 @@ kernels::fluid_lambda::Args lambda_args(const Fluid& fluid) {
   args.near = fluid.buffer("near");
   args.fluid_total = fluid.buffer("fluid_total");
   args.fluid_lambda = fluid.buffer("fluid_lambda");
+  args.fluid_pull = fluid.buffer("fluid_pull");
   args.fluid_measure = fluid.buffer("fluid_measure");
   return args;
 }
@@ -244,25 +244,27 @@ kernels::fluid_lambda::Args lambda_args(const Fluid& fluid) {
 } // namespace
 
 void Fluid::density(double step) {
-  project();
   device_.enter("density");
   device_.run(kernels::fluid_warm::Args{.threads = plan_.model.places,
                                         .share = warm_share * step * step,
+                                        .time_step = step,
                                         .fluid_start = buffer("fluid_start"),
-                                        .fluid_lambda = buffer("fluid_lambda"),
-                                        .fluid_total = buffer("fluid_total")});
-  shift();
+                                        .fluid_velocity = buffer("fluid_velocity"),
+                                        .fluid_total = buffer("fluid_total"),
+                                        .fluid_moved = buffer("fluid_moved")});
   project();
-  for (unsigned k = 0; k < scene_.fluid.density_iterations; ++k) {
+  for (unsigned k = 0; k <= scene_.fluid.density_iterations;
+       ++k) { // before the first, those of the last step
     kernels::fluid_lambda::Args args = lambda_args(*this);
     in_period(args);
+    args.warm = k == 0;
     device_.run(args);
     shift();
     project();
   }
   device_.run(kernels::fluid_speed::Args{.threads = plan_.model.places,
                                          .time_step = step,
-                                         .fluid_start = buffer("fluid_start"),
+                                         .fluid_moved = buffer("fluid_moved"),
                                          .fluid_place = buffer("fluid_place"),
                                          .fluid_velocity = buffer("fluid_velocity")});
 }
@@ -272,7 +274,7 @@ void Fluid::spread() {
   for (unsigned k = 0; k < scene_.fluid.redistribution_iterations; ++k) {
     forces_->spread();
     swap(buffers_.at("fluid_place"), buffers_.at("fluid_shift"));
-    project();
+    project(true);
   }
 }
 

@@ -70,7 +70,7 @@ private:
   void find(double step);
   void density(double step);
   void shift();
-  void project();
+  void project(bool spread = false);
   void spread();
   void finish(double step);
 
