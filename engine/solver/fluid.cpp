@@ -63,6 +63,7 @@ Fluid::Fluid(Device& device, const Scene& scene, const Model& model, const Plan&
   }
   device_.upload(buffer("fluid_material"), rows);
   forces_ = std::make_unique<FluidForces>(device_, scene_, *this, origin_);
+  if (plan_.bonds.any) elastic_ = std::make_unique<FluidElastic>(device_, scene_, *this, state_);
   if (!plan_.walls) return;
   still_ = std::none_of(scene.boundaries.begin(), scene.boundaries.end(), moves);
   if (still_) device_.upload(buffer("obstacle"), obstacle_rows(0, 0));
@@ -121,10 +122,15 @@ void Fluid::advance(double time, double step) {
     device_.upload(buffer("obstacle"), obstacle_rows(time, time + step));
   }
   forces_->move_ghosts(time, time + step);
+  if (elastic_) elastic_->keep_lists();
   find(step);
+  if (elastic_) elastic_->carry();
   forces_->viscosity(step);
+  if (elastic_) elastic_->solve(step);
   density(step);
+  if (elastic_) elastic_->settle(watched_);
   spread();
+  if (elastic_) elastic_->hold(), elastic_->flow();
   finish(step);
 }
 
@@ -280,6 +286,10 @@ void Fluid::spread() {
 
 std::unique_ptr<Readback> Fluid::force_sums(std::uint32_t row) {
   return watched_ ? forces_->sums(row) : nullptr;
+}
+
+std::unique_ptr<Readback> Fluid::bond_sums(std::uint32_t row) {
+  return watched_ && elastic_ ? elastic_->sums(row) : nullptr;
 }
 
 void Fluid::finish(double step) {

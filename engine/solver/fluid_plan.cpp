@@ -96,6 +96,8 @@ FluidPlan plan_fluid(const Scene& scene, const Model& model, bool statistics) {
   if (plan.walls && plan.forces.spread)
     kernel(kernels::fluid_project::Args{.meshes = plan.meshes, .spread = 1});
   list_forces(plan.forces, plan.model, statistics, plan.buffers, plan.kernels);
+  plan.bonds = fluid_bonds(scene, model, plan.model);
+  list_bonds(plan, statistics);
   return plan;
 }
 

@@ -374,6 +374,54 @@ TEST_P(PlanTruth, ForcesOnFluidsAreThoseAskedFor) {
     }
 }
 
+// Of bonds between fluid particles, what flows, what redistribution asks of them: what is planned is what
+// runs; fluids without have nothing of it.
+TEST_P(PlanTruth, BondsOfFluidsAreThoseAskedFor) {
+  const auto made_of = [](const char* model, bool flows, bool spread, bool walls) {
+    PlanScene made = elastic_only();
+    Material clay;
+    clay.name = "clay";
+    clay.model = model;
+    clay.poisson = flows || spread ? 0.3 : 0.25; // at 1/4 bonds do not feel the dilatation
+    if (flows) clay.plastic = {true, 10, 0, 0};
+    clay.redistribution = spread ? 0.5 : 0;
+    made.scene.materials = {clay};
+    made.scene.bodies.emplace_back().material = "clay";
+    made.scene.solver.tolerance = 0; // all iterations
+    made.model = assemble_points(lattice_box(4, 4, 5, 0.02), 0.02, 1.87, clay, 8e-6);
+    made.request.statistics = made.request.divergence = walls;
+    if (walls) made.scene.boundaries = {floor_below()};
+    return made;
+  };
+  for (const bool flows : {false, true})
+    for (const bool spread : {false, true})
+      for (const bool walls : {false, true}) {
+        PlanScene made = made_of("viscoelastic", flows, spread, walls);
+        made.model.velocity[3] = {0.5, 0, 0};
+        const Truth truth = expect_truth(GetParam(), made, "viscoelastic");
+        std::vector<std::string> used{"motion", "neighbours", "density"};
+        if (walls) used.emplace_back("boundaries");
+        if (spread) used.emplace_back("redistribution");
+        used.insert(used.end(), {"bonds", "elasticity"});
+        if (flows) used.emplace_back("plasticity");
+        if (walls) used.insert(used.end(), {"statistics", "divergence"});
+        EXPECT_EQ(truth.plan.used, used);
+        EXPECT_EQ(kernels_of(truth.plan).count("fluid_bond_hold"), spread ? 1u : 0u);
+        EXPECT_EQ(kernels_of(truth.plan).count("fluid_bond_flow"), flows || spread ? 1u : 0u);
+        EXPECT_EQ(kernels_of(truth.plan).count("fluid_bond_return"), flows || walls ? 1u : 0u);
+      }
+  for (const bool walls : {false, true}) {
+    const Truth truth = expect_truth(GetParam(), made_of("fluid", false, true, walls), "fluid");
+    for (const std::string& name : kernels_of(truth.plan)) {
+      EXPECT_NE(name.rfind("fluid_bond", 0), 0u) << name;
+      EXPECT_NE(name, "chebyshev_step");
+    }
+    for (const char* name :
+         {"near_rest", "near_earlier", "near_place_of", "fluid_displacement", "fluid_before"})
+      EXPECT_FALSE(truth.plan.find(name)) << name;
+  }
+}
+
 TEST(Plan, BytesOfALargeBall) {
   std::vector<Vector3> ball;
   constexpr double radius = 18.15; // spacings
