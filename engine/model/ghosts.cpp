@@ -185,6 +185,8 @@ bool needs_ghosts(const Scene& scene) {
   for (const Body& body : scene.bodies)
     if (const Material* m = scene.material(body.material); m && m->fluid())
       viscous = viscous || m->viscosity > 0;
+  for (const Emitter& emitter : scene.emitters)
+    if (const Material* m = scene.material(emitter.material)) viscous = viscous || m->viscosity > 0;
   return viscous && std::any_of(scene.boundaries.begin(), scene.boundaries.end(),
                                 [](const Boundary& boundary) { return !boundary.slip; });
 }

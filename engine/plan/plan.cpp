@@ -70,23 +70,29 @@ public:
     buffer("origin", Type::real4, model_.bodies.size());
     const FluidPlan needs = plan_fluid(scene_, model_, plan_.statistics);
     plan_.fluid_forces = needs.forces.viscous || needs.forces.spread;
+    plan_.fluid_flow = needs.flow.used();
     const std::pair<const char*, bool> components[] = {{"neighbours", true},
                                                        {"density", true},
                                                        {"boundaries", needs.walls},
                                                        {"ghosts", needs.forces.ghosts},
                                                        {"viscosity", needs.forces.viscous},
-                                                       {"redistribution", needs.forces.spread}};
+                                                       {"redistribution", needs.forces.spread},
+                                                       {"emitters", needs.flow.emitters > 0},
+                                                       {"sinks", needs.flow.sinks > 0}};
     for (const auto& [component, used] : components) {
       begin(component, used);
       for (const BufferSpec& spec : needs.buffers)
         if (spec.component == component) buffer(spec.name, spec.type, spec.count);
       for (const KernelSpec& spec : needs.kernels)
         if (spec.component == component) kernel(spec);
+      for (const BufferSpec& spec : needs.flow.counts) // the state's: they are saved and kept
+        if (spec.component == component) buffer(spec.name, spec.type, spec.count);
     }
   }
 
   void leave_fluid() {
-    for (const char* component : {"neighbours", "density", "ghosts", "viscosity", "redistribution"})
+    for (const char* component :
+         {"neighbours", "density", "ghosts", "viscosity", "redistribution", "emitters", "sinks"})
       begin(component, false);
   }
 

@@ -38,6 +38,7 @@ struct Plan {
   bool plastic = false;
   bool fluid = false;        ///< and nothing else: no bonds, no solver, no energies
   bool fluid_forces = false; ///< of them, viscosity or redistribution
+  bool fluid_flow = false;   ///< emitters or sinks
   Method method;
   std::shared_ptr<const Hierarchy> hierarchy; ///< null without the multilevel preconditioner
   std::shared_ptr<const DirectPlan> direct;   ///< null without the constant matrix's factor

@@ -241,9 +241,13 @@ bool Run::stretch(Progress& progress) {
          simulation_->plan().fluid_forces
              ? std::optional(std::array{static_cast<double>(row.viscosity_iterations), row.viscosity_residual,
                                         row.unevenness})
+             : std::nullopt,
+         simulation_->plan().fluid_flow
+             ? std::optional(std::array{static_cast<double>(row.emitted), static_cast<double>(row.sunk),
+                                        static_cast<double>(row.present)})
              : std::nullopt});
   }
-  return !rows.empty();
+  return !rows.empty() || guard_->full();
 }
 
 // Says once that contacts are dropped, and keeps the most.
@@ -261,6 +265,7 @@ void Run::watch_contacts(Progress& progress) {
 bool Run::run_on(Progress& progress) {
   while (simulation_->steps() < last_step()) {
     if (!stretch(progress)) return false;
+    if (guard_->full()) throw Error(*guard_->full());
     if (simulation_->steps() % steps_per_frame_ != 0) continue;
     const auto frame = static_cast<unsigned>(simulation_->steps() / steps_per_frame_);
     outputs_->write_frame(frame);
@@ -391,6 +396,12 @@ ExitCode Run::go() {
     whole = run_on(progress);
   } catch (const Error& error) {
     if (error.code() == ExitCode::diverged) finish("diverged");
+    if (guard_->full()) {
+      finish("full");
+      throw Error(error.code(),
+                  fmt::format("{}; what was computed up to step {} (t = {:.6g} s) is in {}", error.what(),
+                              simulation_->steps(), simulation_->time(), outputs_->folder().string()));
+    }
     if (error.code() == ExitCode::input_output && outputs_->frames() > 0)
       throw Error(error.code(), fmt::format("{}; frames 0 to {} in {} are intact", error.what(),
                                             outputs_->frames() - 1, outputs_->folder().string()));

@@ -91,6 +91,8 @@ FluidPlan plan_fluid(const Scene& scene, const Model& model, bool statistics) {
     kernel(kernels::fluid_project::Args{.meshes = plan.meshes});
   }
   plan.forces = plan_forces(scene, model, plan.model);
+  plan.flow = plan_flow(scene, model);
+  list_flow(plan.flow, plan.buffers, plan.kernels);
   list_forces(plan.forces, plan.model, statistics, plan.buffers, plan.kernels);
   return plan;
 }

@@ -2,6 +2,7 @@
 #include "engine/solver/saved_state.h"
 
 #include "engine/core/error.h"
+#include "engine/solver/fluid.h"
 #include "engine/solver/simulation.h"
 #include "engine/solver/state.h"
 
@@ -28,6 +29,8 @@ std::vector<std::string> persistent_buffers(const Plan& plan) {
   if (plan.plastic) // lengths of bonds at rest, what led to them, and K_i
     for (const char* name : {"rest", "flow", "linear_start"})
       if (std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
+  if (plan.fluid_flow) // who was born, who was taken out
+    for (const char* name : {"emitter_count", "sunk"}) names.emplace_back(name);
   return names;
 }
 
@@ -61,6 +64,7 @@ void Simulation::load(const SavedState& saved) {
   for (const SavedBuffer& copy : saved.buffers) device_.write(*state_->find(copy.name), 0, copy.bytes);
   step_ = saved.step;
   first_of_bdf2_ = saved.first_of_bdf2;
+  if (fluid_ && fluid_->flow()) fluid_->flow()->reload();
   if (plan_.held) held_count_ = ~0u; // whoever is held at the new time is sent again
   pending_.clear();
 }
@@ -78,12 +82,15 @@ void Simulation::rewind() {
   for (const auto& [name, copy] : state_->kept) device_.copy(copy, *state_->find(name));
   step_ = kept_step_;
   first_of_bdf2_ = kept_first_of_bdf2_;
+  if (fluid_ && fluid_->flow()) fluid_->flow()->reload();
   if (plan_.held) held_count_ = ~0u;
   pending_.clear();
 }
 
 void Simulation::step_divided(unsigned parts) {
   const std::uint64_t start = step_;
+  if (fluid_ && fluid_->flow()) // a scene that is full ends before a step, not within
+    fluid_->flow()->make_room(double(start) * time_step_, (double(start) + 1) * time_step_);
   parts_ = parts;
   for (part_ = 0; part_ < parts; ++part_) {
     step_ = start;

@@ -304,6 +304,8 @@ TEST_P(PlanTruth, EverythingTogether) {
                                                            "ghosts",
                                                            "viscosity",
                                                            "redistribution",
+                                                           "emitters",
+                                                           "sinks",
                                                            "sheets",
                                                            "plane",
                                                            "failure",
@@ -372,6 +374,46 @@ TEST_P(PlanTruth, ForcesOnFluidsAreThoseAskedFor) {
       used.emplace_back("statistics");
       EXPECT_EQ(truth.plan.used, used);
     }
+}
+
+// Emitters and sinks bring their own, and of the frame's kernel the variant that knows of particles that are
+// not there; fluids without have none of it.
+TEST_P(PlanTruth, EmittersAndSinksAddOnlyTheirOwn) {
+  const auto made = [](bool emitter, bool sink) {
+    PlanScene one = elastic_only();
+    Material water;
+    water.name = "water";
+    water.model = "fluid";
+    one.scene.simulation.spacing = 0.02;
+    one.scene.materials = {water};
+    one.scene.bodies.resize(1);
+    one.scene.bodies[0].name = "pool";
+    one.scene.bodies[0].material = "water";
+    one.scene.bodies[0].shape.size = {0.08, 0.08, 0.1};
+    if (emitter) {
+      Emitter& tap = one.scene.emitters.emplace_back();
+      tap.name = "tap", tap.material = "water";
+      tap.disc = 0.03, tap.speed = 1, tap.particles = 50;
+      tap.at = {0, 0.2, 0};
+    }
+    if (sink) one.scene.sinks.emplace_back().region.at = {0, -2, 0};
+    one.model = assemble(one.scene);
+    one.request.statistics = one.request.divergence = one.request.frames = true;
+    return one;
+  };
+  const Truth plain = expect_truth(GetParam(), made(false, false), "neither");
+  for (const std::string& name : variants(plain.plan)) EXPECT_EQ(name.find("gone=1"), std::string::npos);
+  for (const char* component : {"emitters", "sinks"})
+    EXPECT_EQ(std::count(plain.plan.left_out.begin(), plain.plan.left_out.end(), component), 1);
+  const Truth emitting = expect_truth(GetParam(), made(true, false), "emitter"),
+              draining = expect_truth(GetParam(), made(false, true), "sink");
+  EXPECT_EQ(difference(emitting.allocated, plain.allocated),
+            (Names{"emitter_point", "emitter_slot", "emitter_count", "kept_emitter_count"}));
+  EXPECT_EQ(difference(draining.allocated, plain.allocated), (Names{"sink", "sunk", "kept_sunk"}));
+  EXPECT_EQ(difference(kernels_of(emitting.plan), kernels_of(plain.plan)), Names{"fluid_emit"});
+  EXPECT_EQ(difference(kernels_of(draining.plan), kernels_of(plain.plan)), Names{"fluid_sink"});
+  EXPECT_TRUE(difference(plain.allocated, emitting.allocated).empty());
+  EXPECT_TRUE(difference(plain.allocated, draining.allocated).empty());
 }
 
 TEST(Plan, BytesOfALargeBall) {
