@@ -4,6 +4,7 @@
 // tells on busy machines how much of it was waiting.
 //
 //   build/bench/steps FOLDER [THREADS [STEPS [SCENE]]]      FOLDER: that of the scenes, examples
+#include "engine/core/error.h"
 #include "engine/scene/scene_parse.h"
 #include "engine/solver/simulation.h"
 

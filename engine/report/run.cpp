@@ -6,6 +6,7 @@
 #include "engine/report/run_outputs.h"
 #include "engine/scene/scene_json.h"
 #include "engine/scene/scene_parse.h"
+#include "engine/solver/fluid.h"
 #include "engine/solver/guarded_run.h"
 
 #include <algorithm>
@@ -352,6 +353,16 @@ nlohmann::json Run::fluid_record() const {
       {"density_error", {{"median", percentile(mean, 0.5)}, {"max", percentile(mean, 1.0)}}},
       {"largest_density_error", {{"median", percentile(largest, 0.5)}, {"max", percentile(largest, 1.0)}}},
       {"removed", removed}};
+  if (const FluidFlow* flow = simulation_->fluid()->flow()) {
+    const StatisticsRow* last = outputs_->rows().empty() ? nullptr : &outputs_->rows().back();
+    if (last && last->flow)
+      j["emitted"] = (*last->flow)[0], j["sunk"] = (*last->flow)[1], j["present"] = (*last->flow)[2];
+    for (std::size_t e = 0; e < scene_.emitters.size(); ++e)
+      j["emitters"][scene_.emitters[e].name] = {{"emitted", flow->emitted_by(e)},
+                                                {"ended_by_capacity", flow->ended(e)}};
+    const std::vector<std::uint32_t> sunk = simulation_->fluid()->flow()->sunk_by();
+    for (std::size_t s = 0; s < sunk.size(); ++s) j["sinks"][scene_.sinks[s].name] = sunk[s];
+  }
   const auto range = [](const std::vector<double>& values) {
     return nlohmann::json{{"median", percentile(values, 0.5)}, {"max", percentile(values, 1.0)}};
   };
@@ -418,6 +429,9 @@ ExitCode Run::go() {
   if (const std::size_t removed =
           rows.empty() || !rows.back().fluid ? 0 : std::size_t((*rows.back().fluid)[3]))
     progress.say(fmt::format("{} particles left the domain and were removed", removed));
+  if (!rows.empty() && rows.back().flow)
+    progress.say(fmt::format("{} particles were emitted, {} ran into sinks, {} are there",
+                             (*rows.back().flow)[0], (*rows.back().flow)[1], (*rows.back().flow)[2]));
   const auto capped =
       simulation_->plan().fluid ? 0 : std::count_if(rows.begin(), rows.end(), [](const StatisticsRow& row) {
         return row.stopped == "cap";

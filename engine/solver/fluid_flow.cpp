@@ -199,6 +199,10 @@ void FluidFlow::end_step(const FluidBirths& births, double end) {
   }
 }
 
+std::vector<std::uint32_t> FluidFlow::sunk_by() const {
+  return scene_.sinks.empty() ? std::vector<std::uint32_t>{} : device_.download_uint(state_.sunk);
+}
+
 std::unique_ptr<Readback> FluidFlow::sunk() {
   if (scene_.sinks.empty()) return nullptr;
   device_.enter("sinks");

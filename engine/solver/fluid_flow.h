@@ -58,7 +58,8 @@ public:
   std::uint64_t bodies() const { return bodies_; } ///< particles at the start
   std::uint64_t emitted_by(std::size_t emitter) const { return born_[emitter]; }
   bool ended(std::size_t emitter) const { return ended_[emitter]; } ///< because the scene was full
-  /// Particles that each sink has taken, on their way to the host; null without sinks.
+  std::vector<std::uint32_t> sunk_by() const; ///< by each sink, so far; waits for the device
+  /// The same, on their way to the host; null without sinks.
   std::unique_ptr<Readback> sunk();
 
 private:

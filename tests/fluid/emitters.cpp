@@ -223,6 +223,26 @@ TEST(Emitter, StepsInParts) {
   expect_below("positions apart, spacings", worst / 0.1, 1e-6);
 }
 
+// The example, coarse: what has been poured is as dense inside as at rest, within 2 % in the mean.
+TEST(Emitter, HoneyKeepsItsDensity) {
+  const Scene scene = read_scene(PLIANT_SOURCE_DIR "/examples/honey.toml",
+                                 {"simulation.spacing=0.00625", "simulation.capacity=1500"});
+  const Model model = assemble(scene);
+  const auto open = open_alone(on_cpu);
+  Simulation simulation(*open, scene, model);
+  double error = 0;
+  std::size_t rows = 0, present = 0;
+  for (int k = 0; k < 250; ++k) {
+    simulation.step();
+    for (const StepStatistics& row : simulation.take_statistics()) {
+      present = row.present;
+      if (row.time > 0.7) error += row.density_error, ++rows; // before, hardly anything is inside
+    }
+  }
+  EXPECT_GT(present, 800u);
+  expect_below("mean |C| inside", error / double(rows), 0.02);
+}
+
 // Two that share a capacity get it in the order of births.
 TEST(Emitter, CapacityGoesByBirth) {
   Scene scene = tap("when_full = \"stop\"", "", "0", 70);

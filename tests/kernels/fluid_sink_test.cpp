@@ -16,7 +16,7 @@ TEST_P(FluidSink, RegionsTakeWhatIsInThem) {
   };
   const auto region = [&](int sink, int kind, const Vector3& centre, const Vector3& size) {
     row(sink, OBSTACLE_KIND, {double(kind), 0, 0, 0});
-    row(sink, OBSTACLE_CENTRE, {centre.x(), centre.y(), centre.z(), 1e18});
+    row(sink, OBSTACLE_CENTRE, {centre.x(), centre.y(), centre.z(), rounded(1e18)});
     row(sink, OBSTACLE_SIZE, {size.x(), size.y(), size.z(), 1});
     for (int a = 0; a < 3; ++a)
       row(sink, OBSTACLE_AXES + a, {a == 0 ? 1.0 : 0, a == 1 ? 1.0 : 0, a == 2 ? 1.0 : 0, 0});
