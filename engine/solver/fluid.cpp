@@ -64,6 +64,8 @@ Fluid::Fluid(Device& device, const Scene& scene, const Model& model, const Plan&
   device_.upload(buffer("fluid_material"), rows);
   forces_ = std::make_unique<FluidForces>(device_, scene_, *this, origin_);
   if (plan_.bonds.any) elastic_ = std::make_unique<FluidElastic>(device_, scene_, *this, state_);
+  if (plan_.flow.used())
+    flow_ = std::make_unique<FluidFlow>(device_, scene_, model, *this, state_, origin_, base_);
   if (!plan_.walls) return;
   still_ = std::none_of(scene.boundaries.begin(), scene.boundaries.end(), moves);
   if (still_) device_.upload(buffer("obstacle"), obstacle_rows(0, 0));
@@ -116,7 +118,9 @@ template <class Args> void Fluid::in_flight(Args& args, double step) const {
   args.origin = state_.origin;
 }
 
-void Fluid::advance(double time, double step) {
+void Fluid::advance(double time, double end, double step) {
+  FluidBirths births;
+  if (flow_) births = flow_->make_room(time, end);
   if (plan_.walls && !still_) {
     device_.enter("boundaries");
     device_.upload(buffer("obstacle"), obstacle_rows(time, time + step));
@@ -132,6 +136,7 @@ void Fluid::advance(double time, double step) {
   spread();
   if (elastic_) elastic_->hold(), elastic_->flow();
   finish(step);
+  if (flow_) flow_->end_step(births, end);
 }
 
 void Fluid::find(double step) {

@@ -95,6 +95,8 @@ FluidPlan plan_fluid(const Scene& scene, const Model& model, bool statistics) {
   plan.forces = plan_forces(scene, model, plan.model);
   if (plan.walls && plan.forces.spread)
     kernel(kernels::fluid_project::Args{.meshes = plan.meshes, .spread = 1});
+  plan.flow = plan_flow(scene, model);
+  list_flow(plan.flow, plan.buffers, plan.kernels);
   list_forces(plan.forces, plan.model, statistics, plan.buffers, plan.kernels);
   plan.bonds = fluid_bonds(scene, model, plan.model);
   list_bonds(plan, statistics);
