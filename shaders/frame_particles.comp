@@ -18,5 +18,11 @@ void main() {
 #elif field == 6
   value = flow[2 * i].x;
 #endif
+#if gone
+  if (position[i].w == 0.0) {
+    particle[i] = vec4(uintBitsToFloat(0x7f800000u));
+    return;
+  }
+#endif
   particle[i] = vec4(world, value);
 }

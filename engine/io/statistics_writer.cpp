@@ -26,6 +26,7 @@ constexpr const char* plastic_columns = ",yielding,plastic_work,plastic_strain,p
 constexpr const char* fluid_columns = ",density_error,largest_density_error,density_slope,removed";
 
 constexpr const char* force_columns = ",viscosity_iterations,viscosity_residual,unevenness";
+constexpr const char* flow_columns = ",emitted,sunk,present";
 
 std::string header_of(const std::filesystem::path& path, const std::vector<std::string>& components,
                       bool energies) {
@@ -47,6 +48,11 @@ std::string header_of(const std::filesystem::path& path, const std::vector<std::
   for (const char* component : {"viscosity", "redistribution"})
     if (std::find(components.begin(), components.end(), component) != components.end()) {
       header += force_columns;
+      break;
+    }
+  for (const char* component : {"emitters", "sinks"})
+    if (std::find(components.begin(), components.end(), component) != components.end()) {
+      header += flow_columns;
       break;
     }
   return header + "\n";
@@ -136,6 +142,7 @@ void StatisticsWriter::append(const StatisticsRow& row) {
     line +=
         fmt::format(",{},{},{},{:.0f}", (*row.fluid)[0], (*row.fluid)[1], (*row.fluid)[2], (*row.fluid)[3]);
   if (row.forces) line += fmt::format(",{:.0f},{},{}", (*row.forces)[0], (*row.forces)[1], (*row.forces)[2]);
+  if (row.flow) line += fmt::format(",{:.0f},{:.0f},{:.0f}", (*row.flow)[0], (*row.flow)[1], (*row.flow)[2]);
   write(line + "\n");
 }
 
@@ -151,7 +158,7 @@ std::vector<StatisticsRow> read_statistics(const std::filesystem::path& path) {
     line.resize(line.size() - columns.size());
     return true;
   };
-  const bool forces = ends_in(force_columns), fluid = ends_in(fluid_columns),
+  const bool flow = ends_in(flow_columns), forces = ends_in(force_columns), fluid = ends_in(fluid_columns),
              plastic = ends_in(plastic_columns), energies = ends_in(energy_columns),
              fracture = ends_in(fracture_columns);
   while (std::getline(text, line) && !text.eof()) {
@@ -182,6 +189,12 @@ std::vector<StatisticsRow> read_statistics(const std::filesystem::path& path) {
                       {number(7), number(8), number(9)},
                       number(10),
                       {}};
+    if (flow) {
+      if (cells.size() < plain_columns + 3) throw damaged();
+      row.flow.emplace();
+      for (std::size_t c = 0; c < 3; ++c) (*row.flow)[c] = number(cells.size() - 3 + c);
+      cells.resize(cells.size() - 3);
+    }
     if (forces) {
       if (cells.size() < plain_columns + 3) throw damaged();
       row.forces.emplace();

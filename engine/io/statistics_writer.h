@@ -34,6 +34,8 @@ struct StatisticsRow {
   /// Where fluids have viscosity or redistribution, after those: iterations and relative residual of the
   /// former, mean (support |grad rho| / rho)^2 inside.
   std::optional<std::array<double, 3>> forces = std::nullopt;
+  /// Where fluids have emitters or sinks, after those: particles emitted and sunk so far, and present.
+  std::optional<std::array<double, 3>> flow = std::nullopt;
 };
 
 class StatisticsWriter {
@@ -42,8 +44,9 @@ public:
   /// momentum_x, momentum_y, momentum_z, ms_total, then ms_<component>; with a component "failure" then
   /// broken_bonds, fracture_energy; with `energies` then energy_error, energy_rises; with "plasticity" then
   /// yielding, plastic_work, plastic_strain, plastic_volume, plastic_rounds, yield_excess; with "density"
-  /// then density_error, largest_density_error, density_slope, removed. Replaces what is there. Throws
-  /// Error(input_output).
+  /// then density_error, largest_density_error, density_slope, removed; with "viscosity" or "redistribution"
+  /// then viscosity_iterations, viscosity_residual, unevenness; with "emitters" or "sinks" then emitted,
+  /// sunk, present. Replaces what is there. Throws Error(input_output).
   StatisticsWriter(const std::filesystem::path& path, const std::vector<std::string>& components,
                    bool energies);
   /// Goes on with a file whose first `bytes` are kept; what lies beyond is dropped.

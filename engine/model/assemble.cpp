@@ -4,6 +4,7 @@
 #include "engine/model/anisotropy.h"
 #include "engine/model/arrange.h"
 #include "engine/model/checks.h"
+#include "engine/model/emission.h"
 #include "engine/model/failure.h"
 #include "engine/model/initial_state.h"
 #include "engine/model/shape_tensor.h"
@@ -410,6 +411,7 @@ Model assemble(const Scene& scene) {
     if (!scene.allow_overlap) throw Error(ExitCode::usage, text + "; move them apart, or allow \"overlap\"");
     model.warnings.push_back(text);
   }
+  add_emitters(scene, model);
   return model;
 }
 

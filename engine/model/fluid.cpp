@@ -72,6 +72,8 @@ FluidLattice lattice_of(const Scene& scene, const Model& model, double reach, st
   }
   const double cell = cell_slack * reach;
   std::array<double, 3> wanted{};
+  // Of what emitters make nobody knows where it goes: a cube of cells for all of it.
+  const double least = scene.emitters.empty() ? 0 : std::ceil(std::cbrt(std::max(particles, fewest_cells)));
   for (int a = 0; a < 3; ++a) {
     const bool repeats = domain.given && domain.periodic[static_cast<std::size_t>(a)];
     lattice.edge[a] = cell;
@@ -87,7 +89,7 @@ FluidLattice lattice_of(const Scene& scene, const Model& model, double reach, st
       lattice.cells[static_cast<std::size_t>(a)] = static_cast<std::uint32_t>(cells);
       lattice.edge[a] = lattice.period[a] / cells;
     } else {
-      wanted[static_cast<std::size_t>(a)] = 2 * (std::ceil((high[a] - low[a]) / cell) + 1);
+      wanted[static_cast<std::size_t>(a)] = std::max(2 * (std::ceil((high[a] - low[a]) / cell) + 1), least);
       if (domain.given)
         wanted[static_cast<std::size_t>(a)] = std::min(
             wanted[static_cast<std::size_t>(a)], std::ceil((domain.high[a] - domain.low[a]) / cell) + 1);

@@ -48,10 +48,30 @@ public:
                                               boundary.typed_at, boundary.name, error.what()));
       }
     }
+    check_apart();
     return std::move(ghosts_);
   }
 
 private:
+  /// An obstacle that lies in another is one too many: ghosts of both would be felt.
+  void check_apart() const {
+    for (const auto& [b, points] : offered_)
+      for (const auto& [a, others] : offered_) {
+        const Boundary &inner = scene_.boundaries[b], &outer = scene_.boundaries[a];
+        if (a == b || moves(inner.motion) || moves(outer.motion)) continue;
+        const ShapeQuery query(outer.shape, scene_.file.parent_path());
+        const double sense = outer.inside ? -1 : 1;
+        if (std::all_of(points.begin(), points.end(),
+                        [&](const Vector3& p) { return sense * query.signed_distance(p) < 1e-6 * spacing_; }))
+          throw Error(
+              ExitCode::usage,
+              fmt::format("{}{}: boundary '{}': all of it lies in boundary '{}', so that their ghost "
+                          "particles overlap: take one of them away, or give one condition = \"slip\"",
+                          scene_.file.string(), inner.typed_at, inner.name, outer.name));
+      }
+  }
+  static bool moves(const Motion& motion) { return motion.rate != 0 || !motion.velocity.isZero(0); }
+
   /// The domain and what reaches into it; in directions that repeat the domain alone.
   bool in_domain(const Vector3& p) const {
     const DomainSettings& domain = scene_.domain;
@@ -86,7 +106,9 @@ private:
   }
 
   void add(const Vector3& p, double depth, std::uint32_t boundary) {
-    if (!(depth >= -1e-6 * spacing_ && depth < deepest_) || !in_domain(p) || crowded(p, boundary)) return;
+    if (!(depth >= -1e-6 * spacing_ && depth < deepest_) || !in_domain(p)) return;
+    offered_[boundary].push_back(p);
+    if (crowded(p, boundary)) return;
     taken_[cell_of(p)].push_back(static_cast<std::uint32_t>(ghosts_.size()));
     ghosts_.push_back({p, std::max(depth, 0.0), boundary});
   }
@@ -176,6 +198,7 @@ private:
   double deepest_; ///< m: deeper ones have no fluid near
   std::vector<Ghost> ghosts_;
   std::map<Cell, std::vector<std::uint32_t>> taken_;
+  std::map<std::uint32_t, std::vector<Vector3>> offered_; ///< of each boundary: those left out too
 };
 
 } // namespace
@@ -184,6 +207,9 @@ bool needs_ghosts(const Scene& scene) {
   bool viscous = false;
   for (const Body& body : scene.bodies)
     if (const Material* m = scene.material(body.material); m && m->fluid())
+      viscous = viscous || m->viscosity > 0 || m->bonded();
+  for (const Emitter& emitter : scene.emitters)
+    if (const Material* m = scene.material(emitter.material))
       viscous = viscous || m->viscosity > 0 || m->bonded();
   return viscous && std::any_of(scene.boundaries.begin(), scene.boundaries.end(),
                                 [](const Boundary& boundary) { return !boundary.slip; });

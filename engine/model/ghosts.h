@@ -28,7 +28,7 @@ struct Ghost {
 bool needs_ghosts(const Scene& scene);
 
 /// Empty where needs_ghosts() is false. Throws Error(usage): a plane without slip in a scene without a
-/// domain; what ShapeQuery throws.
+/// domain; an obstacle that lies in another, unless one of them moves; what ShapeQuery throws.
 std::vector<Ghost> sample_ghosts(const Scene& scene, const Model& model);
 
 } // namespace pliant

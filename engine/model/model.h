@@ -82,6 +82,7 @@ struct BodyModel {
       surface_reference; ///< the same vertices in the body's axes, relative to the reference origin
   Vector3 color = {0.8, 0.45, 0.3};
   bool self_contact = true;
+  bool emitted = false; ///< an emitter's: its particles have no mass until they are born
   double thickness = 0; ///< m; of a sheet, or across the plane of a plane scene; 0: a solid
 };
 

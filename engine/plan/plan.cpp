@@ -72,6 +72,7 @@ public:
     plan_.fluid_forces = needs.forces.viscous || needs.forces.spread;
     plan_.fluid_bonds = needs.bonds.any;
     plan_.fluid_flow = needs.bonds.flows();
+    plan_.fluid_sources = needs.flow.used();
     const std::pair<const char*, bool> components[] = {{"neighbours", true},
                                                        {"density", true},
                                                        {"boundaries", needs.walls},
@@ -80,13 +81,17 @@ public:
                                                        {"redistribution", needs.forces.spread},
                                                        {"bonds", needs.bonds.any},
                                                        {"elasticity", needs.bonds.any},
-                                                       {"plasticity", needs.bonds.flows()}};
+                                                       {"plasticity", needs.bonds.flows()},
+                                                       {"emitters", needs.flow.emitters > 0},
+                                                       {"sinks", needs.flow.sinks > 0}};
     for (const auto& [component, used] : components) {
       begin(component, used);
       for (const BufferSpec& spec : needs.buffers)
         if (spec.component == component) buffer(spec.name, spec.type, spec.count);
       for (const KernelSpec& spec : needs.kernels)
         if (spec.component == component) kernel(spec);
+      for (const BufferSpec& spec : needs.flow.counts) // the state's: they are saved and kept
+        if (spec.component == component) buffer(spec.name, spec.type, spec.count);
     }
     component_ = "elasticity";
     active_ = needs.bonds.any;
@@ -94,7 +99,8 @@ public:
   }
 
   void leave_fluid() {
-    for (const char* component : {"neighbours", "density", "ghosts", "viscosity", "redistribution"})
+    for (const char* component :
+         {"neighbours", "density", "ghosts", "viscosity", "redistribution", "emitters", "sinks"})
       begin(component, false);
   }
 

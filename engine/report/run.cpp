@@ -6,6 +6,7 @@
 #include "engine/report/run_outputs.h"
 #include "engine/scene/scene_json.h"
 #include "engine/scene/scene_parse.h"
+#include "engine/solver/fluid.h"
 #include "engine/solver/guarded_run.h"
 
 #include <algorithm>
@@ -241,9 +242,13 @@ bool Run::stretch(Progress& progress) {
          simulation_->plan().fluid_forces
              ? std::optional(std::array{static_cast<double>(row.viscosity_iterations), row.viscosity_residual,
                                         row.unevenness})
+             : std::nullopt,
+         simulation_->plan().fluid_sources
+             ? std::optional(std::array{static_cast<double>(row.emitted), static_cast<double>(row.sunk),
+                                        static_cast<double>(row.present)})
              : std::nullopt});
   }
-  return !rows.empty();
+  return !rows.empty() || guard_->full();
 }
 
 // Says once that contacts are dropped, and keeps the most.
@@ -261,6 +266,7 @@ void Run::watch_contacts(Progress& progress) {
 bool Run::run_on(Progress& progress) {
   while (simulation_->steps() < last_step()) {
     if (!stretch(progress)) return false;
+    if (guard_->full()) throw Error(*guard_->full());
     if (simulation_->steps() % steps_per_frame_ != 0) continue;
     const auto frame = static_cast<unsigned>(simulation_->steps() / steps_per_frame_);
     outputs_->write_frame(frame);
@@ -347,6 +353,16 @@ nlohmann::json Run::fluid_record() const {
       {"density_error", {{"median", percentile(mean, 0.5)}, {"max", percentile(mean, 1.0)}}},
       {"largest_density_error", {{"median", percentile(largest, 0.5)}, {"max", percentile(largest, 1.0)}}},
       {"removed", removed}};
+  if (const FluidFlow* flow = simulation_->fluid()->flow()) {
+    const StatisticsRow* last = outputs_->rows().empty() ? nullptr : &outputs_->rows().back();
+    if (last && last->flow)
+      j["emitted"] = (*last->flow)[0], j["sunk"] = (*last->flow)[1], j["present"] = (*last->flow)[2];
+    for (std::size_t e = 0; e < scene_.emitters.size(); ++e)
+      j["emitters"][scene_.emitters[e].name] = {{"emitted", flow->emitted_by(e)},
+                                                {"ended_by_capacity", flow->ended(e)}};
+    const std::vector<std::uint32_t> sunk = simulation_->fluid()->flow()->sunk_by();
+    for (std::size_t s = 0; s < sunk.size(); ++s) j["sinks"][scene_.sinks[s].name] = sunk[s];
+  }
   const auto range = [](const std::vector<double>& values) {
     return nlohmann::json{{"median", percentile(values, 0.5)}, {"max", percentile(values, 1.0)}};
   };
@@ -391,6 +407,12 @@ ExitCode Run::go() {
     whole = run_on(progress);
   } catch (const Error& error) {
     if (error.code() == ExitCode::diverged) finish("diverged");
+    if (guard_->full()) {
+      finish("full");
+      throw Error(error.code(),
+                  fmt::format("{}; what was computed up to step {} (t = {:.6g} s) is in {}", error.what(),
+                              simulation_->steps(), simulation_->time(), outputs_->folder().string()));
+    }
     if (error.code() == ExitCode::input_output && outputs_->frames() > 0)
       throw Error(error.code(), fmt::format("{}; frames 0 to {} in {} are intact", error.what(),
                                             outputs_->frames() - 1, outputs_->folder().string()));
@@ -407,6 +429,9 @@ ExitCode Run::go() {
   if (const std::size_t removed =
           rows.empty() || !rows.back().fluid ? 0 : std::size_t((*rows.back().fluid)[3]))
     progress.say(fmt::format("{} particles left the domain and were removed", removed));
+  if (!rows.empty() && rows.back().flow)
+    progress.say(fmt::format("{} particles were emitted, {} ran into sinks, {} are there",
+                             (*rows.back().flow)[0], (*rows.back().flow)[1], (*rows.back().flow)[2]));
   const auto capped =
       simulation_->plan().fluid ? 0 : std::count_if(rows.begin(), rows.end(), [](const StatisticsRow& row) {
         return row.stopped == "cap";

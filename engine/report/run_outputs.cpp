@@ -31,6 +31,29 @@ bool draft(const fs::path& file) {
   return file.extension() == ".tmp";
 }
 
+/// The particles that are there, out of all.
+class Rows {
+public:
+  Rows(const Model& model, const std::vector<bool>& present) : before_(model.count() + 1, 0) {
+    for (std::size_t i = 0; i < model.count(); ++i)
+      before_[i + 1] = before_[i] + (present.empty() || present[i] ? 1 : 0);
+  }
+  /// Of those, how many come before this one.
+  std::size_t before(std::size_t particle) const { return before_[particle]; }
+  /// Leaves the values of the others out, `width` each.
+  void keep(std::vector<float>& values, std::size_t width) const {
+    if (before_.back() + 1 == before_.size()) return;
+    for (std::size_t i = 0; i + 1 < before_.size(); ++i)
+      if (before_[i + 1] > before_[i])
+        std::copy_n(values.begin() + std::ptrdiff_t(width * i), width,
+                    values.begin() + std::ptrdiff_t(width * before_[i]));
+    values.resize(width * before_.back());
+  }
+
+private:
+  std::vector<std::size_t> before_;
+};
+
 fs::path picture(const fs::path& folder, unsigned frame) {
   return folder / "frames" / fmt::format("{:06}.png", frame);
 }
@@ -43,8 +66,8 @@ RunOutputs::RunOutputs(fs::path folder, const Scene& scene, const Model& model, 
   const Plan& plan = simulation.plan();
   if (!plan.fluid) components_ = {"motion", "elasticity", "solver"}; // as step.cpp books them
   for (const char* component :
-       {"neighbours", "density", "viscosity", "redistribution", "preconditioner", "direct", "boundaries",
-        "contacts", "momentum", "failure", "statistics", "divergence"})
+       {"neighbours", "density", "viscosity", "redistribution", "emitters", "sinks", "preconditioner",
+        "direct", "boundaries", "contacts", "momentum", "failure", "statistics", "divergence"})
     if (std::find(plan.used.begin(), plan.used.end(), component) != plan.used.end())
       components_.emplace_back(component);
   if (plan.fluid_bonds)
@@ -141,12 +164,14 @@ void RunOutputs::write_data(unsigned frame) {
     widths.push_back(width);
   }
   std::vector<BodyFrame> bodies;
+  const Rows rows(model_, output.present());
+  rows.keep(positions, 3);
+  for (std::size_t f = 0; f < fields.size(); ++f) rows.keep(fields[f], widths[f]);
   for (const BodyModel& body : model_.bodies) {
-    BodyFrame block{
-        std::span(positions).subspan(3 * std::size_t{body.first}, 3 * std::size_t{body.count}), {}, {}};
+    const std::size_t first = rows.before(body.first), count = rows.before(body.first + body.count) - first;
+    BodyFrame block{std::span(positions).subspan(3 * first, 3 * count), {}, {}};
     for (std::size_t f = 0; f < fields.size(); ++f)
-      block.fields.push_back(std::span<const float>(fields[f]).subspan(widths[f] * std::size_t{body.first},
-                                                                       widths[f] * std::size_t{body.count}));
+      block.fields.push_back(std::span<const float>(fields[f]).subspan(widths[f] * first, widths[f] * count));
     bodies.push_back(block);
   }
   std::vector<std::uint32_t> torn;

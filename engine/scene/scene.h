@@ -171,6 +171,29 @@ struct Boundary {
   std::string typed_at; ///< as Body::typed_at
 };
 
+/// A nozzle from which a fluid comes, layer by layer; see engine/model/emission.h.
+struct Emitter {
+  std::string name, material;
+  std::optional<double> disc;                     ///< m; radius of the nozzle, or
+  std::optional<std::array<double, 2>> rectangle; ///< m; its edges, the first along `along`
+  Vector3 at = Vector3::Zero();                   ///< m; its middle
+  Vector3 direction = {0, -1, 0};                 ///< unit; of what comes out
+  std::optional<Vector3> along;                   ///< unit
+  double speed = 0;                               ///< m/s
+  double start = 0, stop = 1e300;                 ///< s
+  std::optional<unsigned> particles;              ///< at most
+  bool stops = false; ///< where the scene is full it ends; otherwise the run does
+  std::optional<Vector3> color;
+  std::string typed_at; ///< ":line:column" of the nozzle
+};
+
+/// Where particles of fluids are taken out.
+struct Sink {
+  std::string name;
+  Shape region;
+  std::string typed_at; ///< as Emitter::typed_at
+};
+
 struct SimulationSettings {
   double spacing = 0;              ///< m, between particles; required
   double horizon = 1.87;           ///< in spacings
@@ -182,6 +205,8 @@ struct SimulationSettings {
   std::string influence = "power"; ///< of base weights; see Influence of model.h
   unsigned dimension = 3;          ///< 2: everything lies and moves in the plane z = 0
   std::string plane = "strain";    ///< dimension 2: what is zero across the plane, "strain" or "stress"
+  std::optional<unsigned> capacity; ///< particles that there may be at once, with emitters
+  std::string capacity_at;          ///< ":line:column" of it
 };
 
 struct SolverSettings {
@@ -266,12 +291,15 @@ struct Scene {
   std::vector<Material> materials;
   std::vector<Body> bodies;
   std::vector<Boundary> boundaries;
+  std::vector<Emitter> emitters;
+  std::vector<Sink> sinks;
   OutputSettings output;
   RenderSettings render;
   bool allow_overlap = false, allow_sparse = false;
 
   /// Of fluids; they and elastic bodies do not share a scene.
   bool flows() const {
+    if (!emitters.empty()) return true;
     for (const Body& body : bodies)
       if (const Material* m = material(body.material); m && m->fluid()) return true;
     return false;

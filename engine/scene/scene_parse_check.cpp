@@ -228,6 +228,14 @@ void check_name(const Where& where, std::string_view what, const std::string& na
                     what, in_quotes(name), longest_name));
 }
 
+/// Files of results hold each body under its name, and readers of theirs take no others.
+bool names_a_group(const std::string& name) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  return !name.empty() && letter(name.front()) && name != "Assembly" &&
+         std::all_of(name.begin(), name.end(),
+                     [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '-'; });
+}
+
 /// Names of bodies or boundaries: given where absent, unique, not mistaken for a number.
 template <class Things>
 void name_things(const TomlValue* list, Things& things, std::string_view what, Findings& findings) {
@@ -243,9 +251,17 @@ void name_things(const TomlValue* list, Things& things, std::string_view what, F
           where,
           fmt::format("{} {} is named by a number, which stands for its place in the list; add a letter",
                       what, in_quotes(name)));
+    else if (what == "body" && !names_a_group(name))
+      findings.add(where, fmt::format("body {} cannot be written under its name: it must start with a "
+                                      "letter or _, go on with letters, digits, - and _, and not be "
+                                      "\"Assembly\"",
+                                      in_quotes(name)));
     if (std::find(taken.begin(), taken.end(), name) != taken.end())
       findings.add(where, fmt::format("two {} are named {}; names must differ",
-                                      what == "body" ? "bodies" : "boundaries", in_quotes(name)));
+                                      what == "body"       ? "bodies"
+                                      : what == "boundary" ? "boundaries"
+                                                           : fmt::format("{}s", what),
+                                      in_quotes(name)));
     taken.push_back(name);
   }
 }
@@ -284,6 +300,10 @@ void check_table(const schema::Table& table, const TomlValue& value, void* objec
   } else if (&table == &schema::boundary_table()) {
     check_boundary(value, *static_cast<Boundary*>(object), path, findings);
     static_cast<Boundary*>(object)->typed_at = place_of_shape(value);
+  } else if (&table == &schema::emitter_table()) {
+    check_emitter(value, *static_cast<Emitter*>(object), path, findings);
+  } else if (&table == &schema::sink_table()) {
+    check_sink(value, *static_cast<Sink*>(object), path, findings);
   } else if (&table == &schema::camera_table()) {
     check_camera(value, *static_cast<Camera*>(object), path, findings);
   } else if (&table == &schema::render_table()) {
@@ -321,6 +341,19 @@ void check_scene(const TomlValue& document, Scene& scene, Findings& findings) {
         check_reference(regions->items[j], fmt::format("body.{}.region.{}", i, j), materials, findings);
     }
   }
+  if (!document.find("body") && !document.find("emitter"))
+    findings.add(document.where, "the scene lacks [[body]] (solids and fluids)");
+  for (const auto& [what, list] :
+       {std::pair{"emitter", document.find("emitter")}, {"sink", document.find("sink")}}) {
+    if (!list || list->kind != Kind::array) continue;
+    if (std::string_view(what) == "sink") {
+      name_things(list, scene.sinks, what, findings);
+      continue;
+    }
+    name_things(list, scene.emitters, what, findings);
+    for (std::size_t i = 0; i < list->items.size(); ++i)
+      check_reference(list->items[i], fmt::format("emitter.{}", i), materials, findings);
+  }
   const bool breaks = std::any_of(scene.materials.begin(), scene.materials.end(),
                                   [](const Material& material) { return material.breaks(); });
   for (const auto& [table, key] : {std::pair{"render", "color"}, {"output", "fields"}}) {
@@ -357,6 +390,7 @@ void check_scene(const TomlValue& document, Scene& scene, Findings& findings) {
   if (flows) check_plastic_bodies(document, scene, findings);
 
   check_fluids(document, scene, findings);
+  check_flow(document, scene, findings);
   check_flat(document, scene, findings);
   check_energy_tolerance(document, scene, findings);
 

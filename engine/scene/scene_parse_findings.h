@@ -57,6 +57,10 @@ void check_plastic_bodies(const TomlValue& document, const Scene& scene, Finding
 void check_fluid(const TomlValue& value, Material& material, const std::string& path,
                  Findings& findings);
 void check_fluids(const TomlValue& document, const Scene& scene, Findings& findings);
+/// Of emitters and sinks, and what they need of the scene.
+void check_emitter(const TomlValue& value, Emitter& emitter, const std::string& path, Findings& findings);
+void check_sink(const TomlValue& value, Sink& sink, const std::string& path, Findings& findings);
+void check_flow(const TomlValue& document, Scene& scene, Findings& findings);
 /// The rules of horizons, of Poisson's ratios, of sheets and of plane scenes.
 void check_flat(const TomlValue& document, Scene& scene, Findings& findings);
 /// The rules that join tables.

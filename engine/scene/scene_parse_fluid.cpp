@@ -66,7 +66,7 @@ void check_domain(const TomlValue& document, const Scene& scene, Findings& findi
 void check_settings(const TomlValue& document, const Scene& scene, Findings& findings) {
   if (const TomlValue* typed = document.find("fluid"); typed && !scene.flows())
     findings.add(typed->where, "fluid: the scene has no body of a material with model = \"fluid\" or "
-                               "\"viscoelastic\"");
+                               "\"viscoelastic\", and no emitter");
   if (!scene.flows()) return;
   if (scene.solver.integrator != "implicit-euler")
     findings.add(

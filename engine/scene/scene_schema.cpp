@@ -26,6 +26,15 @@ void* add_domain(void* scene) {
 bool has_domain(const void* scene) {
   return static_cast<const Scene*>(scene)->domain.given;
 }
+bool emits(const void* scene) {
+  return !static_cast<const Scene*>(scene)->emitters.empty();
+}
+bool has_sinks(const void* scene) {
+  return !static_cast<const Scene*>(scene)->sinks.empty();
+}
+bool has_capacity(const void* simulation) {
+  return static_cast<const SimulationSettings*>(simulation)->capacity.has_value();
+}
 bool has_fluids(const void* scene) {
   return static_cast<const Scene*>(scene)->flows();
 }
@@ -207,7 +216,13 @@ const Table& simulation_table() {
         .meaning = "dimension 2: what is zero across the plane",
         .slot = at<&S::plane>,
         .choices = {"strain", "stress"},
-        .applies = in_a_plane}},
+        .applies = in_a_plane},
+       {.name = "capacity",
+        .meaning = "particles that there may be at once, with emitters; without them what the bodies have",
+        .slot = at<&S::capacity>,
+        .range = {.low = 1, .high = 2e9, .why = "particles are counted in 31 bits"},
+        .example = "72000",
+        .applies = has_capacity}},
       std::make_shared<S>()};
   return table;
 }
@@ -321,11 +336,18 @@ const Table& root() {
         .nested = {&material_table(), How::named, append<&Scene::materials>, every<&Scene::materials>}},
        {.name = "body",
         .meaning = "solids and fluids",
-        .required = true,
         .nested = {&body_table(), How::list, append<&Scene::bodies>, every<&Scene::bodies>}},
        {.name = "boundary",
         .meaning = "obstacles",
         .nested = {&boundary_table(), How::list, append<&Scene::boundaries>, every<&Scene::boundaries>}},
+       {.name = "emitter",
+        .meaning = "nozzles from which fluids come",
+        .nested = {&emitter_table(), How::list, append<&Scene::emitters>, every<&Scene::emitters>},
+        .applies = emits},
+       {.name = "sink",
+        .meaning = "regions that take particles of fluids out",
+        .nested = {&sink_table(), How::list, append<&Scene::sinks>, every<&Scene::sinks>},
+        .applies = has_sinks},
        {.name = "output",
         .meaning = "what is written",
         .nested = {.table = &output_table(), .add = child<&Scene::output>, .all = only<&Scene::output>}},

@@ -25,6 +25,7 @@
 #include "engine/plan/spec.h"
 #include "engine/solver/contact_obstacles.h"
 #include "engine/solver/fluid_elastic.h"
+#include "engine/solver/fluid_flow.h"
 #include "engine/solver/fluid_forces.h"
 
 #include <map>
@@ -41,6 +42,7 @@ struct FluidPlan {
   FluidModel model;
   FluidForcePlan forces;
   FluidBonds bonds;
+  FluidFlowPlan flow;
   bool walls = false;  ///< obstacles
   bool meshes = false; ///< one of them is a distance grid
   std::uint32_t cells = 0, chunks = 0;
@@ -56,8 +58,9 @@ public:
   Fluid(Device& device, const Scene& scene, const Model& model, const Plan& plan, SimulationState& state,
         const Vector3& scene_origin);
 
-  /// From `time` to `time + step`, s.
-  void advance(double time, double step);
+  /// From `time` to `end`, `step` later, s. Throws as FluidFlow::make_room(), before anything has changed.
+  void advance(double time, double end, double step);
+  FluidFlow* flow() const { return flow_.get(); } ///< null without emitters and sinks
   /// A row on its way to the host; see fluid_sum.decl.
   std::unique_ptr<Readback> sums(std::uint32_t row);
   std::unique_ptr<Readback> force_sums(std::uint32_t row); ///< see fluid_gradient_sum.decl; may be null
@@ -77,7 +80,7 @@ private:
   void find(double step);
   void density(double step);
   void shift();
-  void project();
+  void project(bool spread = false);
   void spread();
   void finish(double step);
 
@@ -90,6 +93,7 @@ private:
   std::map<std::string, Buffer> buffers_;
   std::unique_ptr<FluidForces> forces_;
   std::unique_ptr<FluidElastic> elastic_; ///< null without bonds
+  std::unique_ptr<FluidFlow> flow_;
   Vector3 base_ = Vector3::Zero();   ///< m: where places count from, relative to the device's coordinates
   bool still_ = true;                ///< no obstacle moves
   Vector3 origin_ = Vector3::Zero(); ///< m, world: where places count from

@@ -40,6 +40,11 @@ bool contains(const std::vector<std::string>& names, const char* name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+/// Some are yet to be born, or were taken out.
+bool may_lack_particles(const Scene& scene) {
+  return !scene.emitters.empty() || !scene.sinks.empty();
+}
+
 } // namespace
 
 std::string field_label(const std::string& field) {
@@ -65,8 +70,9 @@ FrameNeeds frame_needs(const Scene& scene, const Model& model, const PlanRequest
   if (start) needs.buffers.push_back({"start", Type::real4, n, "frames"});
   if (scene.flows() && scene.render.color == "plastic_strain") // bonded fluids keep theirs in sorted order
     needs.buffers.push_back({"flow", Type::real4, 2 * n, "frames"});
-  needs.kernels.push_back(
-      kernel_variant(kernels::frame_particles::Args{.field = colour_option(scene)}, "frames"));
+  needs.kernels.push_back(kernel_variant(
+      kernels::frame_particles::Args{.field = colour_option(scene), .gone = may_lack_particles(scene)},
+      "frames"));
   if (needs.strain) {
     needs.buffers.push_back({"gradient", Type::real4, 3 * n, "strain"});
     needs.kernels.push_back({&kernels::deformation::Args::info(), "strain"});
@@ -145,6 +151,7 @@ void FrameOutput::update() {
   device.run(kernels::frame_particles::Args{
       .threads = static_cast<std::uint32_t>(simulation_.plan_.particles),
       .field = colour_,
+      .gone = simulation_.plan_.fluid_sources,
       .share_at = simulation_.plan_.share_row * static_cast<std::uint32_t>(simulation_.plan_.particles),
       .scene_x = origin.x(),
       .scene_y = origin.y(),
@@ -191,6 +198,14 @@ void FrameOutput::find_torn() {
                                                           .torn = torn_});
     }
   }
+}
+
+std::vector<bool> FrameOutput::present() {
+  std::vector<bool> there;
+  if (!simulation_.plan_.fluid_sources) return there;
+  for (const Real4<double>& y : simulation_.device_.download_real4(simulation_.state_->position))
+    there.push_back(y.w != 0);
+  return there;
 }
 
 std::vector<float> FrameOutput::field(const std::string& name, unsigned& components) {

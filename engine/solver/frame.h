@@ -28,6 +28,8 @@ public:
   const BufferStorage* torn() const { return torn_; }
   const std::vector<std::uint32_t>& first_triangle() const { return triangles_.first; } ///< as skin().first
 
+  /// Whether each particle is there; empty where all are.
+  std::vector<bool> present();
   /// A field of every particle, `components` values each. Throws Error(usage) for one that the plan lacks.
   std::vector<float> field(const std::string& name, unsigned& components);
 

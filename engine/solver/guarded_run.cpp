@@ -108,16 +108,23 @@ std::vector<StepStatistics> GuardedRun::advance(std::uint64_t last, const Guarde
   const std::uint64_t start = simulation_.steps(), end = end_of_stretch(last);
   for (unsigned parts = 1;; parts *= 2) {
     if (calls.begin) calls.begin(parts);
+    full_.reset();
     std::vector<StepStatistics> rows;
     while (simulation_.steps() < end) {
       if (calls.before_step && !calls.before_step()) {
         simulation_.rewind();
         return {};
       }
-      if (parts == 1)
-        simulation_.step();
-      else
-        simulation_.step_divided(parts);
+      try {
+        if (parts == 1)
+          simulation_.step();
+        else
+          simulation_.step_divided(parts);
+      } catch (const Error& error) { // before the step: the scene is full
+        if (error.code() != ExitCode::too_large) throw;
+        full_ = error;
+        break;
+      }
       if (calls.after_step) calls.after_step();
       if (parts < most_parts) continue;
       // The last try is watched closely: its first bad step is the one to be named.
@@ -128,7 +135,7 @@ std::vector<StepStatistics> GuardedRun::advance(std::uint64_t last, const Guarde
     const auto bad =
         std::find_if(rows.begin(), rows.end(), [this](const StepStatistics& row) { return !good(row); });
     if (bad == rows.end()) {
-      if (parts > 1) divided_steps_ += end - start;
+      if (parts > 1) divided_steps_ += simulation_.steps() - start;
       simulation_.keep();
       return rows;
     }

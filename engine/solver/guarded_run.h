@@ -15,6 +15,7 @@
 #include "engine/solver/simulation.h"
 
 #include <functional>
+#include <optional>
 
 namespace pliant {
 
@@ -39,6 +40,9 @@ public:
   /// Throws Error(diverged), naming step, body, particle and cause, with the simulation back in that state.
   std::vector<StepStatistics> advance(std::uint64_t last, const GuardedCalls& calls = {});
 
+  /// Why the last stretch ended before its time, after whole steps: an emitter found the scene full.
+  const std::optional<Error>& full() const { return full_; }
+
   std::uint64_t retries() const { return retries_; }
   std::uint64_t divided_steps() const { return divided_steps_; } ///< steps that were taken in parts
   void count_from(std::uint64_t retries, std::uint64_t divided_steps) {
@@ -61,6 +65,7 @@ private:
   const Model& model_;
   unsigned steps_per_frame_;
   double limit_ = 0, limit_growth_ = 0; ///< m/s, m/s2
+  std::optional<Error> full_;
   std::uint64_t retries_ = 0, divided_steps_ = 0;
 };
 

@@ -32,6 +32,8 @@ std::vector<std::string> persistent_buffers(const Plan& plan) {
   if (plan.fluid_bonds) // of fluids: who was near whom, where, and at what lengths bonds rest
     for (const char* name : {"near_count", "near", "near_rest", "near_place_of"}) names.emplace_back(name);
   if (plan.fluid_flow) names.emplace_back("fluid_flow");
+  if (plan.fluid_sources) // who was born, who was taken out
+    for (const char* name : {"emitter_count", "sunk"}) names.emplace_back(name);
   return names;
 }
 
@@ -70,6 +72,7 @@ void Simulation::load(const SavedState& saved) {
   for (const SavedBuffer& copy : saved.buffers) device_.write(persistent(copy.name), 0, copy.bytes);
   step_ = saved.step;
   first_of_bdf2_ = saved.first_of_bdf2;
+  if (fluid_ && fluid_->flow()) fluid_->flow()->reload();
   if (plan_.held) held_count_ = ~0u; // whoever is held at the new time is sent again
   pending_.clear();
 }
@@ -87,12 +90,15 @@ void Simulation::rewind() {
   for (const auto& [name, copy] : state_->kept) device_.copy(copy, persistent(name));
   step_ = kept_step_;
   first_of_bdf2_ = kept_first_of_bdf2_;
+  if (fluid_ && fluid_->flow()) fluid_->flow()->reload();
   if (plan_.held) held_count_ = ~0u;
   pending_.clear();
 }
 
 void Simulation::step_divided(unsigned parts) {
   const std::uint64_t start = step_;
+  if (fluid_ && fluid_->flow()) // a scene that is full ends before a step, not within
+    fluid_->flow()->make_room(double(start) * time_step_, (double(start) + 1) * time_step_);
   parts_ = parts;
   for (part_ = 0; part_ < parts; ++part_) {
     step_ = start;

@@ -110,14 +110,16 @@ void Simulation::upload(const SlicedBonds& bonds) {
   if (s.anchor) device_.upload(s.anchor, anchors);
   if (s.owner) device_.upload(s.owner, model_.body);
   for (std::size_t i = 0; i < n; ++i)
-    rows[i] = pack(model_.position[i] - model_.bodies[model_.body[i]].origin, model_.mass[i]);
+    rows[i] = pack(model_.position[i] - model_.bodies[model_.body[i]].origin,
+                   model_.bodies[model_.body[i]].emitted ? 0 : model_.mass[i]);
   device_.upload(s.position, rows);
   for (std::size_t i = 0; i < n; ++i)
     rows[i] = pack(model_.velocity[i], 1); // as if falling: nothing held it yet
   device_.upload(s.velocity, rows);
   if (s.chunk) device_.write(s.chunk, 0, std::as_bytes(std::span(chunks_.chunk)));
-  if (plan_.fluid) {                                                        // fluids upload what is theirs
-    for (std::size_t i = 0; i < n; ++i) rows[i] = pack(model_.velocity[i]); // no multipliers to start with
+  if (plan_.fluid) {                    // fluids upload what is theirs
+    for (std::size_t i = 0; i < n; ++i) // no multipliers to start with
+      rows[i] = model_.bodies[model_.body[i]].emitted ? Real4d{} : pack(model_.velocity[i]);
     device_.upload(s.velocity, rows);
     return;
   }
@@ -265,6 +267,8 @@ Snapshot Simulation::snapshot() {
     state.bonds.near_rest = device_.download_real(fluid_->buffer("near_rest"));
     if (plan_.fluid_flow) state.bonds.fluid_flow = device_.download_real4(fluid_->buffer("fluid_flow"));
   }
+  if (s.emitter_count) state.emitter_count = device_.download_uint(s.emitter_count);
+  if (s.sunk) state.sunk = device_.download_uint(s.sunk);
   return state;
 }
 
@@ -304,6 +308,9 @@ void Simulation::restore(const Snapshot& state) {
     device_.upload(fluid_->buffer("near_rest"), state.bonds.near_rest);
     if (plan_.fluid_flow) device_.upload(fluid_->buffer("fluid_flow"), state.bonds.fluid_flow);
   }
+  if (s.emitter_count && !state.emitter_count.empty()) device_.upload(s.emitter_count, state.emitter_count);
+  if (s.sunk && !state.sunk.empty()) device_.upload(s.sunk, state.sunk);
+  if (fluid_ && fluid_->flow()) fluid_->flow()->reload();
   if (plan_.held) held_count_ = ~0u; // whoever is held at the new time is sent again
 }
 

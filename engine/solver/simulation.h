@@ -62,6 +62,8 @@ struct StepStatistics {
   double viscosity_residual = 0; ///< relative
   double unevenness = 0;         ///< mean (support |grad rho| / rho)^2 inside, before the last sweep
   std::size_t removed = 0;       ///< particles that left the domain so far
+  std::size_t emitted = 0, sunk = 0; ///< particles of fluids so far, where there are emitters or sinks
+  std::size_t present = 0;           ///< of fluids, now
   std::size_t neighbours_dropped = 0, lists_full = 0; ///< in this step: neighbours without room in a list
 };
 
@@ -80,6 +82,7 @@ struct Snapshot {
     std::vector<double> near_rest;
     std::vector<Real4<double>> fluid_flow;
   } bonds; ///< of fluids, as on the device; else empty
+  std::vector<std::uint32_t> emitter_count, sunk;       ///< with it, where there are emitters and sinks
 };
 
 class Simulation {
@@ -209,6 +212,8 @@ private:
     std::uint64_t step = 0;
     std::unique_ptr<Readback> readback, fracture, plastic, fluid, forces, bonds;
     unsigned plastic_rounds = 0, earlier_iterations = 0;
+    std::uint64_t emitted = 0;
+    std::unique_ptr<Readback> sunk = nullptr;
   };
   std::deque<Pending> pending_;
   std::deque<std::unique_ptr<Readback>> flags_;

@@ -50,6 +50,8 @@ Buffer* SimulationState::find(const std::string& name) {
       {"yield", &yield},
       {"flow", &flow},
       {"plastic_row", &plastic_row},
+      {"emitter_count", &emitter_count},
+      {"sunk", &sunk},
       {"solver", &solver},
       {"residual_partial", &residual_partial},
       {"motion", &motion},

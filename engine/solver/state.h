@@ -23,6 +23,8 @@ struct SimulationState {
   Buffer toughness, energy_before, released, fracture;
   // Plasticity.
   Buffer rest, yield, flow, plastic_row;
+  // What fluids gained and lost: two an emitter, particles born and whether it has ended; one a sink.
+  Buffer emitter_count, sunk;
   // Solver.
   Buffer solver, residual_partial;
   // Methods with a line search.

@@ -15,6 +15,7 @@
 #include <cstring>
 #include <fmt/format.h>
 #include <limits>
+#include <numeric>
 
 namespace pliant {
 
@@ -45,6 +46,10 @@ void Simulation::write_statistics() {
   if (plastic_) pending_.back().plastic = plastic_->sums(row);
   if (fluid_) pending_.back().fluid = fluid_->sums(row), pending_.back().forces = fluid_->force_sums(row);
   if (fluid_) pending_.back().bonds = fluid_->bond_sums(row);
+  if (fluid_ && fluid_->flow()) {
+    pending_.back().emitted = fluid_->flow()->emitted();
+    pending_.back().sunk = fluid_->flow()->sunk();
+  }
 }
 
 StepStatistics Simulation::row(std::span<const std::byte> bytes, std::uint64_t step) const {
@@ -98,6 +103,12 @@ double real_at(std::span<const std::byte> bytes, std::size_t index, bool wide) {
   }
   std::memcpy(&narrow, bytes.data() + 4 * index, 4);
   return static_cast<double>(narrow);
+}
+
+std::size_t sum_of(std::span<const std::byte> bytes) {
+  std::vector<std::uint32_t> counts(bytes.size() / sizeof(std::uint32_t));
+  std::memcpy(counts.data(), bytes.data(), bytes.size());
+  return std::accumulate(counts.begin(), counts.end(), std::size_t{0});
 }
 
 /// The row of a divided step from those of its parts.
@@ -164,6 +175,12 @@ std::vector<StepStatistics> Simulation::take_statistics(bool wait) {
       next.neighbours_dropped = static_cast<std::size_t>(std::lround(real_at(sums, 5, wide)));
       next.lists_full = static_cast<std::size_t>(std::lround(real_at(sums, 6, wide)));
       if (!plan_.fluid_bonds) next.residual = real_at(sums, 7, wide);
+      if (const FluidFlow* flow = fluid_->flow()) {
+        next.emitted = pending_.front().emitted;
+        if (pending_.front().sunk) next.sunk = sum_of(pending_.front().sunk->wait());
+        next.present = model_.count() - next.removed; // column 4: all that have no mass
+        next.removed = flow->bodies() + next.emitted - next.sunk - next.present;
+      }
     }
     if (pending_.front().bonds) {
       const bool wide = device_.info().precision == Precision::double_precision;

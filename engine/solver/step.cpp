@@ -51,7 +51,7 @@ void Simulation::step() {
 void Simulation::advance_fluid() {
   begin_step();
   const double start = (static_cast<double>(step_) + double(part_) / parts_) * time_step_;
-  fluid_->advance(start, solve_step_);
+  fluid_->advance(start, (static_cast<double>(step_) + (part_ + 1.0) / parts_) * time_step_, solve_step_);
   write_statistics();
   ++step_;
 }

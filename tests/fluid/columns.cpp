@@ -49,8 +49,35 @@ TEST(FluidColumn, StandsStill) {
                std::abs(top + spacing / 2 - height * spacing) / spacing, 1);
   expect_below("mean |C|", error, 0.01);
   expect_below("largest C", largest, 0.03);
-  expect_below("kinetic energy over M g H", kinetic / weight, 5e-5);
+  // Nothing but collisions slows what has no viscosity: after 5 s 1.4e-5, with 0 to 0.5 of the multipliers
+  // kept, with 5 to 20 sweeps, in single and double precision alike; from then on it falls as time^-3. What
+  // moves is the surface.
+  expect_below("kinetic energy over M g H", kinetic / weight, 2e-5);
   EXPECT_EQ(rows.back().removed, 0u);
+}
+
+// What has some, a plane column of honey, comes to rest.
+TEST(FluidColumn, ComesToRest) {
+  const double spacing = 0.02;
+  const int width = 12, height = 20;
+  Stage stage = fluid_stage(standing(width, height, 1, spacing), spacing, 1. / 250, 2);
+  stage.scene.materials[0].viscosity = 5;
+  stage.scene.fluid.density_iterations = 20;
+  stage.scene.simulation.gravity = {0, -9.81, 0};
+  stage.scene.boundaries = {wall({0, 1, 0})};
+  repeat(stage.scene, {0, -1, 0}, {width * spacing, 2, 1}, {true, false, false});
+  const auto device = open_alone({"openmp_double", "openmp", Precision::double_precision});
+  Simulation simulation(*device, stage.scene, stage.model);
+  double kinetic = 0;
+  for (int k = 0; k < 1250; ++k) {
+    simulation.step();
+    if (k % 50 != 49) continue;
+    kinetic = 0;
+    for (const StepStatistics& row : simulation.take_statistics())
+      kinetic = std::max(kinetic, row.kinetic_energy);
+  }
+  const double weight = 1000 * width * spacing * std::pow(height * spacing, 2) * 9.81; // M g H, of a metre
+  expect_below("kinetic energy over M g H", kinetic / weight, 1e-6);
 }
 
 /// Least squares slope of the front over time in T > 1.

@@ -1,4 +1,5 @@
 // Scenes of fluids: their keys, and what is said of wrong ones.
+#include "engine/model/ghosts.h"
 #include "engine/scene/scene_json.h"
 #include "engine/scene/scene_schema.h"
 #include "tests/scene/parse.h"
@@ -159,6 +160,32 @@ TEST(ViscoelasticScene, WrongOnesAreRefused) {
   EXPECT_THAT(complaint(water + "[output]\nfields = [\"plastic_strain\"]\n"), HasSubstr("plastic"));
   EXPECT_THAT(complaint(clay + "[[body]]\nmaterial = \"steel\"\nshape = { sphere = 1 }\n[materials.steel]\n"),
               HasSubstr("is elastic and another is a fluid"));
+}
+
+// Walls may meet in a corner; one within another is one too many.
+TEST(FluidScene, OverlappingGhostsAreRefused) {
+  const auto refused = [](const std::string& second, const std::string& condition = "no-slip") {
+    const Scene scene =
+        parsed(water +
+               "[domain]\nlow = [-1, -1, -1]\nhigh = [1, 1, 1]\n"
+               "[[boundary]]\nname = \"floor\"\nshape = { plane = [0, 1, 0], offset = -0.6 }\n"
+               "condition = \"no-slip\"\n[[boundary]]\nname = \"second\"\nshape = " +
+               second + "\ncondition = \"" + condition + "\"\n");
+    try {
+      sample_ghosts(scene, assemble(scene));
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::usage);
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string message = "s.toml:21:9: boundary 'second': all of it lies in boundary 'floor'";
+  EXPECT_EQ(refused("{ plane = [1, 0, 0], offset = -0.6 }"), "");
+  EXPECT_EQ(refused("{ box = [0.4, 0.4, 0.4], at = [0, -0.6, 0] }"), "");
+  EXPECT_THAT(refused("{ box = [0.4, 0.2, 0.4], at = [0, -0.75, 0] }"), HasSubstr(message));
+  EXPECT_THAT(refused("{ plane = [0, 1, 0], offset = -0.63 }"), HasSubstr(message));
+  EXPECT_THAT(refused("{ plane = [0, 1, 0], offset = -0.6 }"), HasSubstr("all of it lies in boundary"));
+  EXPECT_EQ(refused("{ plane = [0, 1, 0], offset = -0.6 }", "slip"), "");
 }
 
 } // namespace

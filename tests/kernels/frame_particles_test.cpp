@@ -54,5 +54,20 @@ TEST_P(FrameParticles, Formula) {
     }
 }
 
+// What has no mass is not there.
+TEST_P(FrameParticles, GoneIsNowhere) {
+  Random random(kernel_seed + 44);
+  Values in{{"gone", {1}},
+            {"origin", random_groups(random, 1, 4)},
+            {"owner", std::vector<double>(33, 0.0)},
+            {"position", random_groups(random, 33, 1)},
+            {"particle", std::vector<double>(4 * 33, 0.0)}};
+  for (std::size_t i = 0; i < 33; ++i) in["position"][4 * i + 3] = i % 3 == 1 ? 0 : 1;
+  const Values out = run_kernel<kernels::frame_particles::Args>(OpenDevices::of(GetParam()), 33, in);
+  for (std::size_t i = 0; i < 33; ++i)
+    for (std::size_t c = 0; c < 4; ++c)
+      EXPECT_EQ(std::isinf(out.at("particle")[4 * i + c]), i % 3 == 1) << i;
+}
+
 } // namespace
 } // namespace pliant::test

@@ -1,94 +1,12 @@
 // The plan and the truth: what a scene allocates, compiles and runs is what its plan lists, and no more.
-#include "engine/plan/plan_report.h"
-#include "engine/solver/frame.h"
-#include "engine/solver/simulation.h"
-#include "tests/plan/scenes.h"
-#include "tests/support/devices.h"
-#include "tests/support/recording_device.h"
+#include "tests/plan/truth.h"
 
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 namespace pliant::test {
 namespace {
 
-using Names = std::set<std::string>;
-
-class PlanTruth : public testing::TestWithParam<DeviceChoice> {};
 INSTANTIATE_TEST_SUITE_P(Devices, PlanTruth, testing::ValuesIn(device_choices()), ChoiceName());
-
-Names variants(const Plan& plan) {
-  Names names;
-  for (const KernelSpec& kernel : plan.kernels) names.insert(variant_name(kernel));
-  return names;
-}
-
-Names kernels_of(const Plan& plan) {
-  Names names;
-  for (const KernelSpec& kernel : plan.kernels) names.insert(kernel.info->name);
-  return names;
-}
-
-Names difference(const Names& a, const Names& b) {
-  Names only;
-  std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::inserter(only, only.begin()));
-  return only;
-}
-
-std::string text_of(const Names& names) {
-  std::string text;
-  for (const std::string& name : names) text += " " + name;
-  return text;
-}
-
-struct Truth {
-  Plan plan;
-  Names allocated, dispatched, used, missing;
-};
-
-// Builds the scene on a fresh device and runs it past a rebase, comparing plan and truth.
-Truth expect_truth(const DeviceChoice& choice, const PlanScene& made, const std::string& what) {
-  SCOPED_TRACE(what);
-  const std::unique_ptr<Device> device = choice.open();
-  const std::size_t bytes_before = device->bytes_allocated();
-  RecordingDevice recorder(*device);
-  Truth truth;
-  {
-    Simulation simulation(recorder, made.scene, made.model, made.request);
-    truth.plan = simulation.plan();
-    const std::vector<std::string> compiled = device->kernels_prepared();
-    EXPECT_EQ(recorder.prepared, variants(truth.plan));
-    EXPECT_EQ(Names(compiled.begin(), compiled.end()),
-              choice.gl() ? variants(truth.plan) : kernels_of(truth.plan));
-    for (int step = 0; step < 33; ++step) {
-      simulation.step();
-      if (step == 1 && simulation.frame()) simulation.frame()->update();
-      if (step == 1 && truth.plan.divergence) simulation.keep();
-    }
-    device->finish();
-    EXPECT_EQ(device->kernels_prepared(), compiled) << "a step compiled a kernel";
-    EXPECT_EQ(recorder.bytes_allocated(), truth.plan.bytes(choice.precision));
-  }
-  EXPECT_EQ(device->bytes_allocated(), bytes_before) << "a simulation leaves memory behind";
-  EXPECT_FALSE(recorder.twice) << "two buffers of one name";
-  Names planned;
-  for (const BufferSpec& buffer : truth.plan.buffers) {
-    planned.insert(buffer.name);
-    const auto found = recorder.allocated.find(buffer.name);
-    if (found != recorder.allocated.end()) {
-      EXPECT_EQ(found->second, buffer.count * element_bytes(buffer.type, choice.precision)) << buffer.name;
-    }
-  }
-  for (const auto& [name, bytes] : recorder.allocated) truth.allocated.insert(name);
-  truth.dispatched = recorder.dispatched;
-  truth.used = recorder.used;
-  EXPECT_EQ(truth.allocated, planned);
-  EXPECT_EQ(truth.dispatched, variants(truth.plan))
-      << "never run:" << text_of(difference(variants(truth.plan), truth.dispatched));
-  EXPECT_EQ(truth.used, planned) << "never used:" << text_of(difference(planned, truth.used));
-  EXPECT_TRUE(recorder.missing.empty()) << "used without being given:" << text_of(recorder.missing);
-  return truth;
-}
 
 TEST_P(PlanTruth, ElasticOnly) {
   for (const char* law : {"corotated", "ordinary", "projective", "basis", "neo-hookean"}) {
@@ -304,6 +222,8 @@ TEST_P(PlanTruth, EverythingTogether) {
                                                            "ghosts",
                                                            "viscosity",
                                                            "redistribution",
+                                                           "emitters",
+                                                           "sinks",
                                                            "sheets",
                                                            "plane",
                                                            "failure",
@@ -311,117 +231,6 @@ TEST_P(PlanTruth, EverythingTogether) {
 }
 
 // Fluids have no bonds, no solver, no energies; elastic bodies have nothing of fluids.
-TEST_P(PlanTruth, FluidsAndElasticBodiesShareNothing) {
-  for (const bool watched : {false, true})
-    for (const bool bounded : {false, true}) {
-      PlanScene made = elastic_only();
-      Material water;
-      water.name = "water";
-      water.model = "fluid";
-      made.scene.materials = {water};
-      made.scene.solver.restore_momentum = true; // an elastic body's
-      made.model = assemble_points(lattice_box(4, 4, 5, 0.02), 0.02, 1.87, water, 8e-6);
-      made.request.statistics = made.request.divergence = made.request.frames = watched;
-      if (bounded) {
-        made.scene.boundaries = {floor_below()};
-        made.scene.domain = {true, Vector3::Constant(-1), Vector3::Constant(1), {true, false, false}};
-      }
-      const Truth truth = expect_truth(GetParam(), made, "fluid");
-      std::vector<std::string> used{"motion", "neighbours", "density"};
-      if (bounded) used.emplace_back("boundaries");
-      if (watched) used.insert(used.end(), {"statistics", "divergence", "frames"});
-      EXPECT_EQ(truth.plan.used, used);
-      for (const char* name : {"slice_begin", "bond", "weight", "shape", "force", "energy", "linear_start",
-                               "best_iterate", "inertia_target", "moment"})
-        EXPECT_FALSE(truth.plan.find(name)) << name;
-      for (const std::string& name : kernels_of(truth.plan)) {
-        const bool own = name.rfind("fluid_", 0) == 0 || name.rfind("near_", 0) == 0 ||
-                         name.rfind("grid_", 0) == 0 || name.rfind("statistics_", 0) == 0 ||
-                         name == "frame_particles";
-        EXPECT_TRUE(own) << name;
-      }
-    }
-  for (const BufferSpec& buffer : expect_truth(GetParam(), elastic_only(), "elastic").plan.buffers) {
-    EXPECT_NE(buffer.name.rfind("fluid_", 0), 0u) << buffer.name;
-    EXPECT_NE(buffer.name.rfind("near_", 0), 0u) << buffer.name;
-  }
-}
-
-// Of viscosity, redistribution and walls to which fluids stick: what is planned is what runs.
-TEST_P(PlanTruth, ForcesOnFluidsAreThoseAskedFor) {
-  for (const bool viscous : {false, true})
-    for (const char* form : {"", "fickian", "newton"}) {
-      PlanScene made = elastic_only();
-      Material water;
-      water.name = "water";
-      water.model = "fluid";
-      water.viscosity = viscous ? 1 : 0;
-      water.redistribution = *form ? 0.5 : 0;
-      made.scene.materials = {water};
-      made.scene.bodies.emplace_back().material = "water";
-      if (*form) made.scene.fluid.redistribution_form = form;
-      made.model = assemble_points(lattice_box(4, 4, 5, 0.02), 0.02, 1.87, water, 8e-6);
-      made.request.statistics = true;
-      made.scene.boundaries = {floor_below()};
-      made.scene.boundaries[0].slip = false;
-      made.scene.domain = {true, {-0.05, -1, -0.05}, {0.15, 1, 0.15}, {false, false, false}};
-      const Truth truth = expect_truth(GetParam(), made, "fluid");
-      std::vector<std::string> used{"motion", "neighbours", "density", "boundaries"};
-      if (viscous) used.insert(used.end(), {"ghosts", "viscosity"});
-      if (*form) used.emplace_back("redistribution");
-      used.emplace_back("statistics");
-      EXPECT_EQ(truth.plan.used, used);
-    }
-}
-
-// Of bonds between fluid particles, what flows, what redistribution asks of them: what is planned is what
-// runs; fluids without have nothing of it.
-TEST_P(PlanTruth, BondsOfFluidsAreThoseAskedFor) {
-  const auto made_of = [](const char* model, bool flows, bool spread, bool walls) {
-    PlanScene made = elastic_only();
-    Material clay;
-    clay.name = "clay";
-    clay.model = model;
-    clay.poisson = flows || spread ? 0.3 : 0.25; // at 1/4 bonds do not feel the dilatation
-    if (flows) clay.plastic = {true, 10, 0, 0};
-    clay.redistribution = spread ? 0.5 : 0;
-    made.scene.materials = {clay};
-    made.scene.bodies.emplace_back().material = "clay";
-    made.scene.solver.tolerance = 0; // all iterations
-    made.model = assemble_points(lattice_box(4, 4, 5, 0.02), 0.02, 1.87, clay, 8e-6);
-    made.request.statistics = made.request.divergence = walls;
-    if (walls) made.scene.boundaries = {floor_below()};
-    return made;
-  };
-  for (const bool flows : {false, true})
-    for (const bool spread : {false, true})
-      for (const bool walls : {false, true}) {
-        PlanScene made = made_of("viscoelastic", flows, spread, walls);
-        made.model.velocity[3] = {0.5, 0, 0};
-        const Truth truth = expect_truth(GetParam(), made, "viscoelastic");
-        std::vector<std::string> used{"motion", "neighbours", "density"};
-        if (walls) used.emplace_back("boundaries");
-        if (spread) used.emplace_back("redistribution");
-        used.insert(used.end(), {"bonds", "elasticity"});
-        if (flows) used.emplace_back("plasticity");
-        if (walls) used.insert(used.end(), {"statistics", "divergence"});
-        EXPECT_EQ(truth.plan.used, used);
-        EXPECT_EQ(kernels_of(truth.plan).count("fluid_bond_hold"), spread ? 1u : 0u);
-        EXPECT_EQ(kernels_of(truth.plan).count("fluid_bond_flow"), flows || spread ? 1u : 0u);
-        EXPECT_EQ(kernels_of(truth.plan).count("fluid_bond_return"), flows || walls ? 1u : 0u);
-      }
-  for (const bool walls : {false, true}) {
-    const Truth truth = expect_truth(GetParam(), made_of("fluid", false, true, walls), "fluid");
-    for (const std::string& name : kernels_of(truth.plan)) {
-      EXPECT_NE(name.rfind("fluid_bond", 0), 0u) << name;
-      EXPECT_NE(name, "chebyshev_step");
-    }
-    for (const char* name :
-         {"near_rest", "near_earlier", "near_place_of", "fluid_displacement", "fluid_before"})
-      EXPECT_FALSE(truth.plan.find(name)) << name;
-  }
-}
-
 TEST(Plan, BytesOfALargeBall) {
   std::vector<Vector3> ball;
   constexpr double radius = 18.15; // spacings

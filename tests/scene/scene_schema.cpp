@@ -53,8 +53,14 @@ std::string good_table(const Table& table, const Key* also) {
     add(also ? *also : *table.find("box"));
     return "{" + text + "}";
   }
+  if (&table == &schema::nozzle_table()) {
+    add(also ? *also : *table.find("disc"));
+    return "{" + text + "}";
+  }
+  const bool laid = also && also->name == "along"; // which a disc has not
+  if (laid) text = "nozzle = {rectangle = [1, 1]}";
   for (const Key& key : table.keys)
-    if (key.required || &key == also) add(key);
+    if ((key.required && !(laid && key.name == "nozzle")) || &key == also) add(key);
   // Keys that need another.
   const auto named = [&](auto... names) { return also && ((also->name == names) || ...); };
   const bool plain = named("law", "young", "poisson", "fracture_energy", "critical_stretch");
@@ -119,23 +125,31 @@ std::string scene_around(const Table& table, const std::string& inner) {
     extra = "boundary = [" + inner + "]\n";
   else if (name == "camera")
     extra = "render = {camera = " + inner + "}\n";
-  else if (name == "fluid" || name == "domain") {
+  else if (name == "emitter" || name == "nozzle" || name == "sink") {
+    materials = "{honey = {model = \"fluid\"}}";
+    body = "{material = \"honey\", " + shape + "}";
+    simulation = "{spacing = 0.1, capacity = 2000}";
+    extra = name == "nozzle" ? "emitter = [{material = \"honey\", speed = 1, nozzle = " + inner + "}]\n"
+                             : std::string(name) + " = [" + inner + "]\n";
+  } else if (name == "fluid" || name == "domain") {
     materials = "{rubber = {model = \"fluid\"}}";
     extra = std::string(name) + " = " + inner + "\n";
   } else
     extra = std::string(name) + " = " + inner + "\n";                 // solver, contact, output, render
   if (name == "body" && inner.find("thickness") != std::string::npos) // which a box has in a plane scene only
     simulation = "{spacing = 0.1, dimension = 2}";
+  if (name == "simulation" && inner.find("capacity") != std::string::npos) // which fluids alone have
+    materials = "{rubber = {model = \"fluid\"}}";
   return extra + "simulation = " + simulation + "\nmaterials = " + materials + "\nbody = [" + body + "]\n";
 }
 
 std::string scene_with(const Table& table, const Key& key) {
   if (&table == &schema::root()) {
-    if (key.name == "fluid" || key.name == "domain")
+    if (key.name == "fluid" || key.name == "domain" || key.name == "emitter" || key.name == "sink")
       return scene_around(*key.nested.table, good_table(*key.nested.table));
     std::string text;
     for (const Key& other : table.keys)
-      if (other.required || &other == &key) text += entry(other, table) + "\n";
+      if (other.required || other.name == "body" || &other == &key) text += entry(other, table) + "\n";
     return text;
   }
   return scene_around(table, good_table(table, &key));

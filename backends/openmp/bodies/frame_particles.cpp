@@ -3,6 +3,8 @@
 #include "backends/openmp/body.h"
 #include "backends/openmp/math.h"
 
+#include <limits>
+
 namespace pliant::openmp::PLIANT_ISA {
 
 template <class real> void frame_particles(const kernels::frame_particles::View<real>& k) {
@@ -32,6 +34,11 @@ template <class real> void frame_particles(const kernels::frame_particles::View<
       break;
     default:
       break;
+    }
+    if (k.gone && k.position[i].w == 0) {
+      constexpr real never = std::numeric_limits<real>::infinity();
+      k.particle[i] = {never, never, never, never};
+      continue;
     }
     k.particle[i] = {world.x, world.y, world.z, value};
   }

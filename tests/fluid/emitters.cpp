@@ -1,0 +1,324 @@
+// Emitters and sinks: how much comes, where, how fast; who is taken out; what happens when the scene is full.
+#include "engine/solver/guarded_run.h"
+#include "engine/solver/saved_state.h"
+#include "tests/scene/parse.h"
+#include "tests/support/fluids.h"
+
+#include <fmt/format.h>
+
+#include <numeric>
+
+namespace pliant::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// A nozzle of 4 x 2 particles of 1 kg whose layers are born every tenth of a second; `more` of the emitter,
+/// then of the scene. Steps of 1/64 s, exact in any precision.
+Scene tap(const std::string& emitter, const std::string& more = "", const std::string& gravity = "0",
+          unsigned capacity = 0) {
+  return parsed("[simulation]\nspacing = 0.1\ntime_step = \"1/64\"\ngravity = [0, " + gravity + ", 0]\n" +
+                (capacity > 0 ? fmt::format("capacity = {}\n", capacity) : "") +
+                "[output]\nfps = 64\n[materials.water]\nmodel = \"fluid\"\n" + more +
+                "\n[[emitter]]\nname = \"tap\"\nmaterial = \"water\"\nnozzle = { rectangle = [0.4, 0.2] }\n"
+                "at = [0.5, 2, 0.25]\nspeed = 1\n" +
+                emitter + "\n");
+}
+
+const DeviceChoice on_cpu{"openmp_float", "openmp", Precision::single_precision};
+
+/// With the last good state kept.
+PlanRequest watched() {
+  PlanRequest request;
+  request.divergence = true;
+  return request;
+}
+
+class Emitters : public OnEachDevice {};
+INSTANTIATE_TEST_SUITE_P(Devices, Emitters, testing::ValuesIn(device_choices()), ChoiceName());
+
+// Layers at t = 0, 0.1, 0.2, ...: rate times time, each where it has flown to since, whatever the steps.
+TEST_P(Emitters, RateTimesTime) {
+  const Scene scene = tap("direction = [1, 0, 0]\nalong = [0, 0, 1]\nparticles = 1000");
+  const Model model = assemble(scene);
+  EXPECT_EQ(model.count(), 1000u);
+  const auto open = device();
+  Simulation simulation(*open, scene, model);
+  for (int k = 1; k <= 128; ++k) {
+    simulation.step();
+    const StepStatistics row = simulation.take_statistics().back();
+    const auto layers = static_cast<std::size_t>(std::ceil(k / 6.4 - 1e-9));
+    ASSERT_EQ(row.emitted, 8 * layers) << "step " << k;
+    ASSERT_EQ(row.present, row.emitted);
+    ASSERT_EQ(row.removed, 0u);
+    // All that lets them leave their lattice is rounding of its density: sums of 32 terms, some steps long.
+    ASSERT_LT((row.momentum - Vector3(8.0 * double(layers), 0, 0)).norm(), 1e-4 * 8 * double(layers));
+  }
+  EXPECT_EQ(simulation.take_statistics().size(), 0u);
+  const Points at = simulation.positions();
+  double worst = 0;
+  for (std::size_t i = 0; i < 160; ++i) {
+    const Vector3 p = at[i] - Vector3(0.5 + 2 - 0.1 * double(i / 8), 2, 0.25); // 20 layers in 2 s
+    worst = std::max(worst, std::abs(p.x()) / scene.simulation.spacing);
+    EXPECT_NEAR(std::abs(p.y()), 0.05, 1e-4);
+    EXPECT_NEAR(std::abs(std::abs(p.z()) - 0.1), 0.05, 1e-4);
+  }
+  expect_below("place of a layer away from speed times age, spacings", worst, 1e-3);
+}
+
+// What falls: y = v t + g t^2 / 2 and v + g t since birth, not since the step's end.
+TEST_P(Emitters, NewbornsHaveFallen) {
+  const Scene scene = tap("particles = 8\nstart = 0.005", "", "-10");
+  const Model model = assemble(scene);
+  const auto open = device();
+  Simulation simulation(*open, scene, model);
+  simulation.step();
+  const double age = 1. / 64 - 0.005;
+  const Points at = simulation.positions(), speed = simulation.velocities();
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_NEAR(at[i].y(), 2 - age - 5 * age * age, 1e-6);
+    EXPECT_NEAR(speed[i].y(), -1 - 10 * age, 1e-6);
+  }
+}
+
+const std::string pool =
+    "[[body]]\nname = \"pool\"\nmaterial = \"water\"\nshape = { box = [1, 0.4, 0.8], at = "
+    "[0.5, 0.2, 0.25] }\n[[boundary]]\nshape = { box = [1, 8, 0.8], at = [0.5, 4, 0.25] "
+    "}\ninside = true\n";
+
+// A tap runs into a pool whose overflow is taken out: slots are used again, nothing is lost without a count,
+// and momentum and mass are those of the particles that are there.
+TEST_P(Emitters, SinksMakeRoom) {
+  const Scene small =
+      tap("when_full = \"stop\"",
+          pool + "[[sink]]\nname = \"drain\"\nregion = { box = [1, 0.2, 0.8], at = [0.5, 0.1, "
+                 "0.25] }\n",
+          "-10", 320 + 64);
+  const Model model = assemble(small);
+  const auto open = device();
+  Simulation simulation(*open, small, model);
+  StepStatistics row;
+  for (int k = 0; k < 128; ++k) {
+    simulation.step();
+    row = simulation.take_statistics().back();
+    ASSERT_LE(row.present, 384u);
+    ASSERT_EQ(row.present + row.sunk, 320 + row.emitted);
+    ASSERT_EQ(row.not_finite, 0u);
+  }
+  EXPECT_EQ(row.emitted, 8u * 20);
+  EXPECT_GT(row.sunk, 150u);
+  std::size_t there = 0;
+  Vector3 momentum = Vector3::Zero();
+  const Snapshot end = simulation.snapshot();
+  for (std::size_t i = 0; i < end.mass.size(); ++i) {
+    there += end.mass[i] > 0;
+    momentum += end.mass[i] * end.velocity[i];
+    EXPECT_FALSE(end.mass[i] > 0 && end.position[i].y() < 0.2 && i < 320) << "in the sink";
+  }
+  EXPECT_EQ(there, row.present);
+  EXPECT_LT((momentum - row.momentum).norm(), 1e-4 * double(there));
+}
+
+/// Full of what was taken out and born again, so that slots come from a read-back.
+Scene busy() {
+  return tap("when_full = \"stop\"",
+             "[domain]\nlow = [-1, 0.9, -1]\nhigh = [2, 3, 1]\nperiodic = [false, false, false]\n[[sink]]\n"
+             "region = { plane = [0, 1, 0], offset = 1.5 }\n",
+             "-10", 40);
+}
+
+TEST_P(Emitters, GoOnInTheSameBits) {
+  const Scene scene = busy();
+  const Model model = assemble(scene);
+  const auto open = device();
+  Simulation whole(*open, scene, model, watched()), later(*open, scene, model, watched());
+  for (int k = 0; k < 40; ++k) whole.step();
+  const SavedState saved = whole.save();
+  whole.keep();
+  for (int k = 0; k < 40; ++k) whole.step();
+  const StepStatistics end = whole.take_statistics().back();
+  EXPECT_GT(end.emitted, 80u);
+  EXPECT_GT(end.sunk, 40u);
+  later.load(saved);
+  for (int k = 0; k < 40; ++k) later.step();
+  EXPECT_EQ(later.hash(), whole.hash());
+  EXPECT_EQ(later.take_statistics().back().emitted, end.emitted);
+  const std::string hash = whole.hash();
+  whole.rewind();
+  for (int k = 0; k < 40; ++k) whole.step();
+  EXPECT_EQ(whole.hash(), hash);
+  EXPECT_EQ(whole.take_statistics().back().sunk, end.sunk);
+}
+
+TEST(Emitter, BitsDoNotDependOnThreads) {
+  const Scene scene = busy();
+  const Model model = assemble(scene);
+  std::string first;
+  for (const unsigned threads : {1u, 2u, 3u}) {
+    const auto open = open_device({"openmp", Precision::single_precision, threads, false});
+    Simulation simulation(*open, scene, model);
+    for (int k = 0; k < 80; ++k) simulation.step();
+    if (first.empty()) first = simulation.hash();
+    EXPECT_EQ(simulation.hash(), first) << threads << " threads";
+  }
+}
+
+// The CPU in double against each device, over a jet that lands on a floor: before anything is chaotic they
+// differ by rounding, which grows a little with each of the contacts.
+TEST_P(Emitters, DevicesAgree) {
+  const Scene scene =
+      tap("particles = 160\ndirection = [0, -1, 0]",
+          "viscosity = 20\n[[boundary]]\nshape = { plane = [0, 1, 0], offset = 1.5 }\n", "-10");
+  const Model model = assemble(scene);
+  const auto run = [&](Device& on) {
+    Simulation simulation(on, scene, model);
+    for (int k = 0; k < 48; ++k) simulation.step();
+    return simulation.positions();
+  };
+  const auto open = device(), exact = open_alone({"openmp_double", "openmp", Precision::double_precision});
+  const Points one = run(*exact), other = run(*open);
+  double worst = 0;
+  for (std::size_t i = 0; i < one.size(); ++i) worst = std::max(worst, (one[i] - other[i]).norm());
+  expect_below("positions apart, spacings", worst / scene.simulation.spacing, 1e-3);
+}
+
+// The whole capacity, then either the run ends before the step that lacks room, with everything up to there,
+// or the emitter does.
+TEST(Emitter, FullScenesEndItOrTheRun) {
+  Scene scene = tap("", "", "0", 100);
+  const Model model = assemble(scene);
+  EXPECT_EQ(model.count(), 96u) << "whole layers of 8";
+  const auto open = open_alone(on_cpu);
+  Simulation simulation(*open, scene, model, watched());
+  GuardedRun guard(simulation, scene, model, 0);
+  std::size_t rows = 0, emitted = 0;
+  while (!guard.full() && simulation.steps() < 200) {
+    for (const StepStatistics& row : guard.advance(200)) ++rows, emitted = row.emitted;
+  }
+  ASSERT_TRUE(guard.full());
+  EXPECT_EQ(guard.full()->code(), ExitCode::too_large);
+  EXPECT_THAT(guard.full()->what(),
+              HasSubstr("s.toml:14:10: emitter 'tap': there is no room for its next 8 particles"));
+  EXPECT_EQ(emitted, 96u);
+  EXPECT_EQ(rows, 76u) << "the 13th layer is born at 1.2 s, in step 77";
+  EXPECT_EQ(simulation.steps(), rows);
+  scene.emitters[0].stops = true;
+  Simulation stopping(*open, scene, model);
+  for (int k = 0; k < 100; ++k) stopping.step();
+  EXPECT_EQ(stopping.take_statistics().back().present, 96u);
+  EXPECT_TRUE(stopping.fluid()->flow()->ended(0));
+}
+
+// Steps in parts give birth to the same layers, at the same times.
+TEST(Emitter, StepsInParts) {
+  const Scene scene = tap("particles = 64");
+  const Model model = assemble(scene);
+  const auto open = open_alone({"openmp_double", "openmp", Precision::double_precision});
+  Simulation whole(*open, scene, model), parts(*open, scene, model);
+  for (int k = 0; k < 30; ++k) whole.step(), parts.step_divided(4);
+  EXPECT_EQ(parts.take_statistics().back().emitted, 40u);
+  const Points one = whole.positions(), other = parts.positions();
+  double worst = 0;
+  for (std::size_t i = 0; i < one.size(); ++i) worst = std::max(worst, (one[i] - other[i]).norm());
+  expect_below("positions apart, spacings", worst / 0.1, 1e-6);
+}
+
+// The example, coarse: what has been poured is as dense inside as at rest, within 2 % in the mean.
+TEST(Emitter, HoneyKeepsItsDensity) {
+  const Scene scene = read_scene(PLIANT_SOURCE_DIR "/examples/honey.toml",
+                                 {"simulation.spacing=0.00625", "simulation.capacity=1500"});
+  const Model model = assemble(scene);
+  const auto open = open_alone(on_cpu);
+  Simulation simulation(*open, scene, model);
+  double error = 0;
+  std::size_t rows = 0, present = 0;
+  for (int k = 0; k < 250; ++k) {
+    simulation.step();
+    for (const StepStatistics& row : simulation.take_statistics()) {
+      present = row.present;
+      if (row.time > 0.7) error += row.density_error, ++rows; // before, hardly anything is inside
+    }
+  }
+  EXPECT_GT(present, 800u);
+  expect_below("mean |C| inside", error / double(rows), 0.02);
+}
+
+// Two that share a capacity get it in the order of births.
+TEST(Emitter, CapacityGoesByBirth) {
+  Scene scene = tap("when_full = \"stop\"", "", "0", 70);
+  scene.emitters.push_back(scene.emitters[0]);
+  Emitter& second = scene.emitters[1];
+  second.name = "second", second.at.x() = 5, second.speed = 2, second.start = 0.25;
+  second.rectangle.reset(), second.disc = 0.1; // 4 points
+  const Model model = assemble(scene);
+  // Births: 8 at 0, .1, .2, .3 ...; 4 at .25, .30, ...: by 0.55 s 48 + 24 are due and 70 - 68 = 2 are left.
+  EXPECT_EQ(model.bodies[0].count + model.bodies[1].count, 68u);
+  const auto open = open_alone(on_cpu);
+  Simulation simulation(*open, scene, model);
+  for (int k = 0; k < 64; ++k) simulation.step();
+  EXPECT_EQ(simulation.take_statistics().back().present, 68u);
+}
+
+TEST(Emitter, WrongOnesAreRefused) {
+  const std::string simulation = "[simulation]\nspacing = 0.1\ncapacity = 1000\n[materials.water]\nmodel = "
+                                 "\"fluid\"\n[materials.rubber]\n";
+  const auto with = [&](const std::string& lines, const std::string& more = "") {
+    std::string text = "material = \"water\"\nnozzle = { disc = 0.2 }\nspeed = 1\n";
+    const std::string key = lines.substr(0, lines.find(' '));
+    if (const auto at = text.find(key + " ="); at != std::string::npos)
+      text.erase(at, text.find('\n', at) + 1 - at);
+    return simulation + "[[emitter]]\n" + lines + "\n" + text + more;
+  };
+  EXPECT_EQ(complaint(with("at = [0, 1, 0]")), "");
+  EXPECT_THAT(complaint(with("material = \"milk\"")),
+              HasSubstr("s.toml:8:12: emitter.0.material = 'milk' is not a material of this scene"));
+  EXPECT_THAT(complaint(with("material = \"rubber\"")),
+              HasSubstr("s.toml:8:12: emitter.0.material = \"rubber\" is elastic: only fluids"));
+  EXPECT_THAT(complaint(with("speed = 0")), HasSubstr("s.toml:8:9: emitter.0.speed = 0 is out of range"));
+  EXPECT_THAT(complaint(with("nozzle = { disc = 0 }")),
+              HasSubstr("s.toml:8:19: emitter.0.nozzle.disc = 0 is out of range"));
+  EXPECT_THAT(
+      complaint(with("nozzle = { }")),
+      HasSubstr("s.toml:8:10: emitter.0.nozzle must have exactly one of disc, rectangle; it has none"));
+  EXPECT_THAT(complaint(with("stop = 0.5\nstart = 1")),
+              HasSubstr("emitter.0.stop = 0.5 must be after emitter.0.start = 1"));
+  EXPECT_THAT(complaint(with("when_full = \"wait\"")), HasSubstr("must be one of \"error\", \"stop\""));
+  EXPECT_THAT(complaint(with("along = [0, 1, 0]")), HasSubstr("a disc has none"));
+  EXPECT_THAT(complaint("[simulation]\nspacing = 0.1\n[materials.water]\nmodel = \"fluid\"\n[[emitter]]\n"
+                        "material = \"water\"\nnozzle = { disc = 0.2 }\nspeed = 1\n"),
+              HasSubstr("s.toml:5:1: emitter.0 never ends: say how many particles"));
+  EXPECT_THAT(complaint(small_scene + "[[sink]]\nregion = { sphere = 1 }\n"),
+              HasSubstr("only fluids run into one"));
+  EXPECT_THAT(complaint(with("at = [0, 1, 0]", "[[sink]]\nregion = { mesh = \"a.off\" }\n")),
+              HasSubstr("sink.0.region is a box, sphere, cylinder, torus or plane; a mesh"));
+  EXPECT_THAT(complaint("[simulation]\nspacing = 0.1\ncapacity = 9\n[materials.rubber]\n[[body]]\nmaterial = "
+                        "\"rubber\"\nshape = { sphere = 1 }\n"),
+              HasSubstr("s.toml:3:1: simulation.capacity is of fluids"));
+  const auto refused = [](const std::string& text) {
+    try {
+      assemble(parsed(text));
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::usage);
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string body =
+      "[[body]]\nname = \"pool\"\nmaterial = \"water\"\nshape = { box = [2, 2, 2], at = [0, "
+      "-3, 0] }\n";
+  EXPECT_THAT(refused(with("at = [0, 1, 0]", body)),
+              HasSubstr("s.toml:3:12: simulation.capacity = 1000 is below the 8000 particles"));
+  EXPECT_THAT(refused(with("nozzle = { disc = 0.04 }")),
+              HasSubstr("s.toml:8:10: emitter 'emitter-0': the nozzle is 0.08 m wide, less than a spacing"));
+  EXPECT_THAT(refused(with("at = [0, 1, 0]", "[[boundary]]\nname = \"wall\"\nshape = { box = [1, 1, 1], at = "
+                                             "[0.5, 1, 0] }\n")),
+              HasSubstr("s.toml:10:10: emitter 'emitter-0': the nozzle reaches into obstacle 'wall'"));
+  EXPECT_THAT(refused(with("at = [0, 1, 0]", "[domain]\nlow = [-1, -1, -0.1]\nhigh = [1, 2, 1]\n")),
+              HasSubstr("the nozzle reaches to z = -0.15 m, outside the domain"));
+  EXPECT_THAT(refused(with("at = [0, 1, 0]", "[[emitter]]\nname = \"b\"\nmaterial = \"water\"\nat = [0.1, 1, "
+                                             "0]\nnozzle = { disc = 0.1 }\nspeed = 1\n")),
+              HasSubstr("s.toml:16:10: emitter 'b': the nozzle overlaps that of emitter 'emitter-0'"));
+}
+
+} // namespace
+} // namespace pliant::test
