@@ -302,6 +302,44 @@ TEST(Viscoelastic, ClayStandsAndHoneyDoesNot) {
   }
 }
 
+// A particle that was taken out and is born again elsewhere, a step without mass between, brings nothing of
+// its former life.
+TEST(Viscoelastic, WhoIsBornAgainHasNoPast) {
+  Stage stage =
+      bonded_stage(lattice(5, 5, 5, spacing), spacing, 1. / 200, yielding(viscoelastic(1e4, 0.3), 20));
+  for (std::size_t i = 0; i < stage.model.count(); ++i)
+    stage.model.velocity[i].x() = 5 * stage.model.position[i].y();
+  const auto device = open_double();
+  Simulation simulation(*device, stage.scene, stage.model);
+  for (int k = 0; k < 6; ++k) simulation.step();
+  const std::uint32_t taken = 62;
+  ASSERT_GT(simulation.plastic_strain()[taken], 0.01);
+  std::map<std::uint32_t, double> past;
+  for (const FluidBond& bond : bonds_of(simulation, stage))
+    if (bond.i == taken) past[bond.j] = bond.rest;
+  ASSERT_GT(past.size(), 20u);
+  Snapshot state = simulation.snapshot();
+  const double mass = state.mass[taken];
+  state.mass[taken] = 0;
+  simulation.restore(state);
+  simulation.step();
+  EXPECT_EQ(simulation.plastic_strain()[taken], 0);
+  for (const FluidBond& bond : bonds_of(simulation, stage)) EXPECT_TRUE(bond.i != taken && bond.j != taken);
+  state = simulation.snapshot();
+  state.mass[taken] = mass;
+  state.velocity[taken] = Vector3(5 * state.position[taken].y(), 0, 0);
+  simulation.restore(state);
+  simulation.step();
+  std::size_t bonds = 0;
+  for (const FluidBond& bond : bonds_of(simulation, stage)) {
+    if (bond.i != taken) continue;
+    ++bonds;
+    const auto before = past.find(bond.j);
+    EXPECT_TRUE(before == past.end() || before->second != bond.rest) << "a bond of before";
+  }
+  EXPECT_GT(bonds, 10u);
+}
+
 class ViscoelasticDevice : public testing::TestWithParam<DeviceChoice> {};
 INSTANTIATE_TEST_SUITE_P(Devices, ViscoelasticDevice, testing::ValuesIn(device_choices()), ChoiceName());
 

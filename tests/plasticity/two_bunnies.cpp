@@ -93,5 +93,21 @@ TEST(TwoBunnies, KeepTheirDents) {
     expect_below("largest energy, of that at the start", one->most_energy, 1.001);
 }
 
+// The same of matter that exchanges its neighbours.
+TEST(TwoBunnies, OfViscoelasticClayKeepTheirsToo) {
+  const Scene scene =
+      read_scene(PLIANT_SOURCE_DIR "/examples/two-clays.toml",
+                 std::vector<std::string>{"simulation.spacing=0.08", "solver.iterations=100"});
+  try {
+    find_mesh(scene.bodies[0].shape.mesh, scene.file.parent_path());
+  } catch (const Error&) {
+    GTEST_SKIP() << "bunny00.off is not on this machine";
+  }
+  const Collision clay = collide(scene, true);
+  EXPECT_GT(clay.depth, scene.simulation.spacing);
+  EXPECT_GT(clay.depth, 0.9 * clay.deepest);
+  expect_below("largest energy, of that at the start", clay.most_energy, 1.01);
+}
+
 } // namespace
 } // namespace pliant::test
