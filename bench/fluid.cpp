@@ -1,9 +1,10 @@
-// How long fluids take: cells and lists of neighbours a particle at a million particles, and five iterations
-// of the density constraint at 50,000. Lattices shaken by a quarter of a spacing, in single precision on the
-// CPU; medians and the least of some steps after two to warm up. A third argument 0 prints the time of the
-// processor instead, for busy machines: it means something on one thread only.
+// How long fluids take: cells and lists of neighbours a particle at a million particles, five iterations of
+// the density constraint at 50,000, and each part of a step of honey, which is viscous and spreads, at
+// 72,000. Lattices shaken by a quarter of a spacing, in single precision on the CPU; medians and the least of
+// some steps after two to warm up. A third argument 0 prints the time of the processor instead, for busy
+// machines: it means something on one thread only. A fourth names one of the three.
 //
-//   build/bench/fluid [THREADS [STEPS [WALL]]]
+//   build/bench/fluid [THREADS [STEPS [WALL [lists|density|honey]]]]
 #include "engine/solver/fluid.h"
 #include "engine/solver/simulation.h"
 
@@ -21,6 +22,7 @@ using namespace pliant;
 namespace {
 
 constexpr double spacing = 0.01;
+constexpr int large = 100, small = 37, medium = 42; // particles a side
 
 double seconds(clockid_t clock) {
   timespec now{};
@@ -29,10 +31,8 @@ double seconds(clockid_t clock) {
 }
 
 /// Milliseconds of each component in each step.
-std::map<std::string, std::vector<double>> measure(int side, unsigned threads, int steps, bool wall) {
-  Material water;
-  water.name = "water";
-  water.model = "fluid";
+std::map<std::string, std::vector<double>> measure(int side, const Material& fluid, double time_step,
+                                                   unsigned threads, int steps, bool wall) {
   std::vector<Vector3> points;
   for (int z = 0; z < side; ++z)
     for (int y = 0; y < side; ++y)
@@ -40,10 +40,10 @@ std::map<std::string, std::vector<double>> measure(int side, unsigned threads, i
   Scene scene;
   scene.simulation.spacing = spacing;
   scene.simulation.gravity = Vector3::Zero();
-  scene.simulation.time_step = 1e-5; // so short that they stay where they are
-  scene.output.fps = 1e5;
-  scene.materials = {water};
-  Model model = assemble_points(points, spacing, 1.87, water, spacing * spacing * spacing);
+  scene.simulation.time_step = time_step;
+  scene.output.fps = 1 / time_step;
+  scene.materials = {fluid};
+  Model model = assemble_points(points, spacing, 1.87, fluid, spacing * spacing * spacing);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> shake(-0.25 * spacing, 0.25 * spacing);
   for (Vector3& p : model.position) p += Vector3(shake(random), shake(random), shake(random));
@@ -73,6 +73,10 @@ std::map<std::string, std::vector<double>> measure(int side, unsigned threads, i
   return spent;
 }
 
+double middle(const std::vector<double>& sorted) {
+  return sorted[sorted.size() / 2];
+}
+
 } // namespace
 
 int main(int count, char** arguments) {
@@ -82,12 +86,33 @@ int main(int count, char** arguments) {
   const auto threads = static_cast<unsigned>(number(1, 0));
   const int steps = number(2, 5);
   const bool wall = number(3, 1) != 0;
-  const int large = 100, small = 37;
-  const auto lists = measure(large, threads, steps, wall).at("neighbours");
-  const double each = 1e6 / std::pow(large, 3); // ns a particle of a millisecond
-  std::printf("  cells and lists: median %.1f, least %.1f ns a particle\n", each * lists[lists.size() / 2],
-              each * lists.front());
-  const auto density = measure(small, threads, steps, wall).at("density");
-  std::printf("  density, 5 iterations and the step's start and end: median %.2f, least %.2f ms\n",
-              density[density.size() / 2], density.front());
+  const std::string part = count > 4 ? arguments[4] : "";
+  const auto wanted = [&](const char* name) { return part.empty() || part == name; };
+  Material water;
+  water.name = "water";
+  water.model = "fluid";
+  const auto nanoseconds = [](int side) { return 1e6 / std::pow(side, 3); }; // a particle, of a millisecond
+  if (wanted("lists")) {
+    const auto lists = measure(large, water, 1e-5, threads, steps, wall).at("neighbours");
+    std::printf("  cells and lists: median %.1f, least %.1f ns a particle\n",
+                nanoseconds(large) * middle(lists), nanoseconds(large) * lists.front());
+  }
+  if (wanted("density")) {
+    const auto density = measure(small, water, 1e-5, threads, steps, wall).at("density");
+    std::printf("  density, 5 iterations and the step's start and end: median %.2f, least %.2f ms\n",
+                middle(density), density.front());
+  }
+  if (wanted("honey")) {
+    Material honey = water;
+    honey.name = "honey";
+    honey.viscosity = 50;
+    honey.redistribution = 1;
+    double all = 0;
+    for (const auto& [component, values] : measure(medium, honey, 0.004, threads, steps, wall)) {
+      std::printf("  honey, %s: median %.1f, least %.1f ns a particle\n", component.c_str(),
+                  nanoseconds(medium) * middle(values), nanoseconds(medium) * values.front());
+      all += nanoseconds(medium) * middle(values);
+    }
+    std::printf("  honey, all: %.1f ns a particle\n", all);
+  }
 }

@@ -108,6 +108,12 @@ Result measure(const std::filesystem::path& file) {
 } // namespace
 
 int main(int argc, char** argv) try {
+  if (argc > 1 && argv[1][0] == '-') {
+    fmt::print(
+        "table1 [FOLDER [SCENES [NAME ...]]]: time of the scenes in SCENES, bench/table1 unless given; "
+        "writes FOLDER/table1.csv\n");
+    return std::string(argv[1]) == "--help" ? 0 : 2;
+  }
   const std::filesystem::path folder = argc > 1 ? argv[1] : ".", scenes = argc > 2 ? argv[2] : "bench/table1";
   const std::vector<std::string> only(argv + std::min(argc, 3), argv + argc);
   std::filesystem::create_directories(folder);

@@ -30,19 +30,24 @@ void main() {
   error += wall.w;
   gradient += rest / slope_scale * wall.xyz;
 #endif
+  bool moves = place.w > 0.0;
 #if measured
   vec3 steep = slope_scale * gradient;
   float steep2 = dot(steep, steep);
-  bool real_one = place.w > 0.0;
-  fluid_measure[i] = real_one ? vec4(error, steep2, steep2 <= limits.z * limits.z ? 1.0 : 0.0, 1.0) : vec4(0.0);
+  fluid_measure[i] = moves ? vec4(error, steep2, steep2 <= limits.z * limits.z ? 1.0 : 0.0, 1.0) : vec4(0.0);
 #else
   float change = 0.0, total = fluid_total[i];
-  if (place.w > 0.0) {
+#if warm
+  if (moves) change = total;
+#else
+  if (moves) {
     float scale = slope_scale / rest;
     float stiffness = scale * scale * (dot(gradient, gradient) / place.w + squares) + limits.x;
     change = min(-relaxation * min(error, limits.y) / (stiffness * rest), -total);
   }
   fluid_total[i] = total + change;
-  fluid_lambda[i] = change;
+#endif
+  fluid_lambda[i] = vec4(place.xyz, change);
+  fluid_pull[i] = vec4(moves ? slope_scale * change / place.w * gradient : vec3(0.0), place.w);
 #endif
 }

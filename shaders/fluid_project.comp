@@ -23,33 +23,39 @@ void main() {
     fluid_wall[i] = wall;
     return;
   }
-  vec3 y = end.xyz, start = fluid_start[i].xyz;
+  vec3 start = fluid_start[i].xyz;
+#if spread
+  vec3 moved = end.xyz - start;
+#else
+  vec3 moved = fluid_moved[i].xyz;
+#endif
   for (uint o = 0u; o < obstacles; ++o) {
     uint row = OBSTACLE_ROWS * o;
     vec4 traits = obstacle[row + OBSTACLE_KIND], place = obstacle[row + OBSTACLE_CENTRE];
-    vec3 from = y - place.xyz;
+    vec3 began = start - place.xyz, from = began + moved;
     if (!(dot(from, from) <= place.w * place.w)) continue;
     vec4 size = obstacle[row + OBSTACLE_SIZE];
     vec4 r0 = obstacle[row + OBSTACLE_AXES], r1 = obstacle[row + OBSTACLE_AXES + 1],
          r2 = obstacle[row + OBSTACLE_AXES + 2];
-    vec3 a = from.x * r0.xyz + from.y * r1.xyz + from.z * r2.xyz; // R^T from
+    vec3 a = began.x * r0.xyz + began.y * r1.xyz + began.z * r2.xyz; // R^T began
+    vec3 u = moved.x * r0.xyz + moved.y * r1.xyz + moved.z * r2.xyz;
     int kind = int(traits.x);
     float d;
-    vec3 normal, none = vec3(0.0);
+    vec3 normal;
     if (kind == OBSTACLE_PLANE) {
-      d = a.y;
+      d = a.y + u.y;
       normal = vec3(0.0, 1.0, 0.0);
     } else if (kind == OBSTACLE_SPHERE) {
-      d = sphere_distance(a, none, size.x, normal);
+      d = sphere_distance(a, u, size.x, normal);
     } else if (kind == OBSTACLE_BOX) {
-      d = box_distance(a, none, size.xyz, normal);
+      d = box_distance(a, u, size.xyz, normal);
     } else if (kind == OBSTACLE_CYLINDER) {
-      d = cylinder_distance(a, none, size.x, size.y, normal);
+      d = cylinder_distance(a, u, size.x, size.y, normal);
     } else if (kind == OBSTACLE_TORUS) {
-      d = torus_distance(a, none, size.x, size.y, normal);
+      d = torus_distance(a, u, size.x, size.y, normal);
     } else {
 #if meshes
-      d = mesh_distance(a, none, vec3(r0.w, r1.w, r2.w), size.w, grid[o], traits.w > 0.0, normal);
+      d = mesh_distance(a, u, vec3(r0.w, r1.w, r2.w), size.w, grid[o], traits.w > 0.0, normal);
 #else
       continue;
 #endif
@@ -66,12 +72,13 @@ void main() {
     vec4 s0 = obstacle[row + OBSTACLE_SHIFT], s1 = obstacle[row + OBSTACLE_SHIFT + 1],
          s2 = obstacle[row + OBSTACLE_SHIFT + 2];
     vec3 push = depth / steep2 * gradient;
-    vec3 slide = (y - start) - vec3(dot(s0.xyz, from) + s0.w, dot(s1.xyz, from) + s1.w, dot(s2.xyz, from) + s2.w);
+    vec3 slide = moved - vec3(dot(s0.xyz, from) + s0.w, dot(s1.xyz, from) + s1.w, dot(s2.xyz, from) + s2.w);
     slide -= dot(gradient, slide) / steep2 * gradient;
     float slid = length(slide), held = traits.z == 1.0 ? slid : min(slid, traits.y * length(push));
-    y += push;
-    if (held > 0.0) y -= held / slid * slide;
+    if (held > 0.0) push -= held / slid * slide;
+    moved += push;
   }
-  fluid_place[i] = vec4(y, end.w);
+  fluid_moved[i].xyz = moved;
+  fluid_place[i] = vec4(start + moved, end.w);
   fluid_wall[i] = wall;
 }

@@ -207,9 +207,10 @@ bool needs_ghosts(const Scene& scene) {
   bool viscous = false;
   for (const Body& body : scene.bodies)
     if (const Material* m = scene.material(body.material); m && m->fluid())
-      viscous = viscous || m->viscosity > 0;
+      viscous = viscous || m->viscosity > 0 || m->bonded();
   for (const Emitter& emitter : scene.emitters)
-    if (const Material* m = scene.material(emitter.material)) viscous = viscous || m->viscosity > 0;
+    if (const Material* m = scene.material(emitter.material))
+      viscous = viscous || m->viscosity > 0 || m->bonded();
   return viscous && std::any_of(scene.boundaries.begin(), scene.boundaries.end(),
                                 [](const Boundary& boundary) { return !boundary.slip; });
 }

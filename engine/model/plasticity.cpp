@@ -57,7 +57,7 @@ bool can_flow(const Scene& scene, const Model& model) {
 
 std::vector<YieldSurface> yield_surfaces(const Scene& scene, const Model& model) {
   for (const Material& material : scene.materials) {
-    if (!material.plastic.given) continue;
+    if (!material.plastic.given || material.fluid()) continue;
     if (material.law != "ordinary")
       throw Error(ExitCode::usage,
                   fmt::format("{}: material '{}' of law \"{}\" cannot flow: plasticity changes lengths of "

@@ -70,13 +70,18 @@ public:
     buffer("origin", Type::real4, model_.bodies.size());
     const FluidPlan needs = plan_fluid(scene_, model_, plan_.statistics);
     plan_.fluid_forces = needs.forces.viscous || needs.forces.spread;
-    plan_.fluid_flow = needs.flow.used();
+    plan_.fluid_bonds = needs.bonds.any;
+    plan_.fluid_flow = needs.bonds.flows();
+    plan_.fluid_sources = needs.flow.used();
     const std::pair<const char*, bool> components[] = {{"neighbours", true},
                                                        {"density", true},
                                                        {"boundaries", needs.walls},
                                                        {"ghosts", needs.forces.ghosts},
                                                        {"viscosity", needs.forces.viscous},
                                                        {"redistribution", needs.forces.spread},
+                                                       {"bonds", needs.bonds.any},
+                                                       {"elasticity", needs.bonds.any},
+                                                       {"plasticity", needs.bonds.flows()},
                                                        {"emitters", needs.flow.emitters > 0},
                                                        {"sinks", needs.flow.sinks > 0}};
     for (const auto& [component, used] : components) {
@@ -88,6 +93,9 @@ public:
       for (const BufferSpec& spec : needs.flow.counts) // the state's: they are saved and kept
         if (spec.component == component) buffer(spec.name, spec.type, spec.count);
     }
+    component_ = "elasticity";
+    active_ = needs.bonds.any;
+    buffer("solver", Type::real, SOLVER_ENTRIES);
   }
 
   void leave_fluid() {
@@ -231,7 +239,8 @@ public:
       buffer("fracture", Type::real, std::size_t{2} * statistics_rows);
       kernels<kernels::bond_release::Args, kernels::fracture_sum::Args>();
     }
-    begin("plasticity", plan_.plastic);
+    if (!plan_.fluid) begin("plasticity", plan_.plastic);
+    active_ = plan_.plastic;
     buffer("rest", Type::real, bonds_.slice_begin.empty() ? 0 : std::size_t{2} * bonds_.slice_begin.back());
     buffer("yield", Type::real4, 2 * n_);
     buffer("flow", Type::real4, 2 * n_);
@@ -369,8 +378,8 @@ Plan make_plan(const Scene& scene, const Model& model, const SlicedBonds& bonds,
   const bool drawn = scene.render.color == "energy" || std::find(request.fields.begin(), request.fields.end(),
                                                                  "energy") != request.fields.end();
   plan.failure = can_break(scene, model);
-  plan.plastic = can_flow(scene, model);
   plan.fluid = any_law(model, Law::fluid);
+  plan.plastic = !plan.fluid && can_flow(scene, model);
   if (plan.fluid) plan.momentum = false;
   if (!plan.fluid) plan.method = choose_method(scene, model);
   plan.energy = !plan.fluid && (request.statistics || plan.method.potential || (request.frames && drawn));

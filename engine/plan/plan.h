@@ -36,9 +36,11 @@ struct Plan {
   /// failure: row of `shape` with the share of the weights that is left; the next counts breaks
   std::uint32_t share_row = 0;
   bool plastic = false;
-  bool fluid = false;        ///< and nothing else: no bonds, no solver, no energies
-  bool fluid_forces = false; ///< of them, viscosity or redistribution
-  bool fluid_flow = false;   ///< emitters or sinks
+  bool fluid = false;         ///< and nothing else: no fixed bonds, no energies
+  bool fluid_forces = false;  ///< of them, viscosity or redistribution
+  bool fluid_bonds = false;   ///< of them, bonds between neighbours of now: an elastic solve a step
+  bool fluid_flow = false;    ///< and these flow
+  bool fluid_sources = false; ///< emitters or sinks
   Method method;
   std::shared_ptr<const Hierarchy> hierarchy; ///< null without the multilevel preconditioner
   std::shared_ptr<const DirectPlan> direct;   ///< null without the constant matrix's factor

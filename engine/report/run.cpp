@@ -230,7 +230,7 @@ bool Run::stretch(Progress& progress) {
          simulation_->plan().method.potential
              ? std::optional(std::array{row.energy_error, static_cast<double>(row.energy_rises)})
              : std::nullopt,
-         simulation_->plan().plastic
+         simulation_->plan().plastic || simulation_->plan().fluid_flow
              ? std::optional(std::array{static_cast<double>(row.yielding), row.plastic_work,
                                         row.plastic_strain, row.plastic_volume,
                                         static_cast<double>(row.plastic_rounds), row.yield_excess})
@@ -243,7 +243,7 @@ bool Run::stretch(Progress& progress) {
              ? std::optional(std::array{static_cast<double>(row.viscosity_iterations), row.viscosity_residual,
                                         row.unevenness})
              : std::nullopt,
-         simulation_->plan().fluid_flow
+         simulation_->plan().fluid_sources
              ? std::optional(std::array{static_cast<double>(row.emitted), static_cast<double>(row.sunk),
                                         static_cast<double>(row.present)})
              : std::nullopt});

@@ -70,6 +70,9 @@ RunOutputs::RunOutputs(fs::path folder, const Scene& scene, const Model& model, 
         "direct", "boundaries", "contacts", "momentum", "failure", "statistics", "divergence"})
     if (std::find(plan.used.begin(), plan.used.end(), component) != plan.used.end())
       components_.emplace_back(component);
+  if (plan.fluid_bonds)
+    for (const char* component : {"bonds", "elasticity"}) components_.emplace_back(component);
+  if (plan.plastic || plan.fluid_flow) components_.emplace_back("plasticity");
   if (!pictures) return;
   try {
     renderer_ = make_renderer(simulation.device(), scene, model, field_label(scene.render.color));

@@ -90,11 +90,14 @@ struct Material {
   std::optional<double> critical_stretch; ///< bonds break beyond a length of (1 + this) times the one at rest
   bool breaks() const { return fracture_energy || critical_stretch; }
   Plasticity plastic; ///< law "ordinary"
-  // Model "fluid"; nothing of the above but density and colour then.
+  // Models "fluid" and "viscoelastic"; of the former nothing of the above but density and colour.
   double viscosity = 0;       ///< Pa s
   double redistribution = 0;  ///< 0 to 1: how strongly particles spread evenly
   double surface_tension = 0; ///< pull on particles of the surface, dimensionless
-  bool fluid() const { return model == "fluid"; }
+  bool fluid() const { return model == "fluid" || bonded(); }
+  // Model "viscoelastic": a fluid whose particles are bonded to the neighbours they have now.
+  std::optional<double> relaxation_time; ///< s, of the deviatoric stress; nothing: it stays
+  bool bonded() const { return model == "viscoelastic"; }
 };
 
 /// Whether the material's law feels lengths only, so that a neighbourhood may stay inverted unless it is

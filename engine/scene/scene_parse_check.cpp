@@ -228,6 +228,14 @@ void check_name(const Where& where, std::string_view what, const std::string& na
                     what, in_quotes(name), longest_name));
 }
 
+/// Files of results hold each body under its name, and readers of theirs take no others.
+bool names_a_group(const std::string& name) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  return !name.empty() && letter(name.front()) && name != "Assembly" &&
+         std::all_of(name.begin(), name.end(),
+                     [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '-'; });
+}
+
 /// Names of bodies or boundaries: given where absent, unique, not mistaken for a number.
 template <class Things>
 void name_things(const TomlValue* list, Things& things, std::string_view what, Findings& findings) {
@@ -243,6 +251,11 @@ void name_things(const TomlValue* list, Things& things, std::string_view what, F
           where,
           fmt::format("{} {} is named by a number, which stands for its place in the list; add a letter",
                       what, in_quotes(name)));
+    else if (what == "body" && !names_a_group(name))
+      findings.add(where, fmt::format("body {} cannot be written under its name: it must start with a "
+                                      "letter or _, go on with letters, digits, - and _, and not be "
+                                      "\"Assembly\"",
+                                      in_quotes(name)));
     if (std::find(taken.begin(), taken.end(), name) != taken.end())
       findings.add(where, fmt::format("two {} are named {}; names must differ",
                                       what == "body"       ? "bodies"

@@ -13,6 +13,8 @@ using Kind = TomlValue::Kind;
 constexpr const char* elastic_keys[] = {
     "law",     "form",  "basis",     "calibration",     "anisotropy",       "young",
     "poisson", "split", "inversion", "fracture_energy", "critical_stretch", "plastic"};
+/// Of those, what bonds between neighbours of now have too.
+constexpr const char* bond_keys[] = {"young", "poisson", "plastic"};
 constexpr const char* fluid_keys[] = {"viscosity", "redistribution", "surface_tension"};
 /// Of bodies: what only bonds can do.
 constexpr const char* solid_keys[] = {"fixed",  "moved", "loaded",    "cut",     "deformed",
@@ -63,16 +65,20 @@ void check_domain(const TomlValue& document, const Scene& scene, Findings& findi
 
 void check_settings(const TomlValue& document, const Scene& scene, Findings& findings) {
   if (const TomlValue* typed = document.find("fluid"); typed && !scene.flows())
-    findings.add(typed->where, "fluid: the scene has no body of a material with model = \"fluid\", and no emitter");
+    findings.add(typed->where, "fluid: the scene has no body of a material with model = \"fluid\" or "
+                               "\"viscoelastic\", and no emitter");
   if (!scene.flows()) return;
   if (scene.solver.integrator != "implicit-euler")
     findings.add(
         document.find("solver")->find("integrator")->where,
         fmt::format("solver.integrator = \"{}\" is one of elastic bodies; fluids have none to choose",
                     scene.solver.integrator));
+  const bool strains = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                   [](const Material& m) { return m.bonded() && m.plastic.given; });
   const TomlValue* render = document.find("render");
   const std::string& color = scene.render.color;
-  if (render && color != "body" && color != "velocity" && color != "displacement")
+  if (render && color != "body" && color != "velocity" && color != "displacement" &&
+      !(strains && color == "plastic_strain"))
     findings.add(
         render->find("color")->where,
         fmt::format("render.color = \"{}\": fluids have no such field; choose \"body\", \"velocity\" or "
@@ -80,32 +86,55 @@ void check_settings(const TomlValue& document, const Scene& scene, Findings& fin
                     color));
   const TomlValue* output = document.find("output");
   for (const std::string& field : scene.output.fields)
-    if (output && field != "velocity" && field != "displacement")
+    if (output && field != "velocity" && field != "displacement" && !(strains && field == "plastic_strain"))
       findings.add(output->find("fields")->where,
                    fmt::format("output.fields: fluids have no \"{}\"; they have \"velocity\" and "
                                "\"displacement\"",
                                field));
 }
 
+void check_bonded(const TomlValue& value, Material& material, const std::string& path, Findings& findings) {
+  check_plastic(value, material, path, findings);
+  if (const TomlValue* entry = value.find("poisson"); entry && material.poisson > 0.499)
+    findings.add(entry->where,
+                 fmt::format("{}.poisson = {} must be at most 0.499: at 0.5 the bulk modulus is "
+                             "infinite; the density constraint keeps the volume anyway",
+                             path, material.poisson));
+}
+
 } // namespace
 
-void check_fluid(const TomlValue& value, const Material& material, const std::string& path,
-                 Findings& findings) {
+void check_fluid(const TomlValue& value, Material& material, const std::string& path, Findings& findings) {
   if (material.fluid()) {
     for (const char* key : elastic_keys)
-      if (const TomlValue* entry = value.find(key))
-        findings.add(
-            entry->key_where,
-            fmt::format("{}.{} is one of elastic materials; model = \"fluid\" has density, viscosity, "
-                        "redistribution, surface_tension and color",
-                        path, key));
+      if (const TomlValue* entry = value.find(key);
+          entry && !(material.bonded() &&
+                     std::any_of(std::begin(bond_keys), std::end(bond_keys),
+                                 [key](const char* bond) { return std::string_view(bond) == key; })))
+        findings.add(entry->key_where,
+                     fmt::format("{}.{} is one of elastic materials; model = \"{}\" has density, viscosity, "
+                                 "redistribution, surface_tension{} and color",
+                                 path, key, material.model,
+                                 material.bonded() ? ", young, poisson, plastic, relaxation_time" : ""));
+    if (material.bonded())
+      check_bonded(value, material, path, findings);
+    else if (const TomlValue* entry = value.find("relaxation_time"))
+      findings.add(entry->key_where, fmt::format("{}.relaxation_time applies to model = \"viscoelastic\" "
+                                                 "only: a fluid bears no shear that could relax",
+                                                 path));
     return;
   }
+  if (const TomlValue* entry = value.find("relaxation_time"))
+    findings.add(entry->key_where,
+                 fmt::format("{}.relaxation_time applies to model = \"viscoelastic\" only; this model is "
+                             "\"{}\"",
+                             path, material.model));
   for (const char* key : fluid_keys)
     if (const TomlValue* entry = value.find(key))
-      findings.add(entry->key_where,
-                   fmt::format("{}.{} applies to model = \"fluid\" only; this model is \"{}\"", path, key,
-                               material.model));
+      findings.add(
+          entry->key_where,
+          fmt::format("{}.{} applies to models \"fluid\" and \"viscoelastic\" only; this model is \"{}\"",
+                      path, key, material.model));
 }
 
 void check_fluids(const TomlValue& document, const Scene& scene, Findings& findings) {

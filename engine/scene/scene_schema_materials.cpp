@@ -18,6 +18,12 @@ const Material& material_of(const void* object) {
 bool elastic(const void* object) {
   return !material_of(object).fluid();
 }
+bool stiff(const void* object) {
+  return elastic(object) || material_of(object).bonded();
+}
+bool relaxes(const void* object) {
+  return material_of(object).relaxation_time.has_value();
+}
 bool fluid(const void* object) {
   return material_of(object).fluid();
 }
@@ -144,7 +150,8 @@ namespace {
 
 Key plastic_key() {
   return {.name = "plastic",
-          .meaning = "the material flows where its strength is exceeded; its law is \"ordinary\"",
+          .meaning = "the material flows where its strength is exceeded; its law is \"ordinary\", or "
+                     "its model \"viscoelastic\"",
           .nested = {.table = &plastic_table(),
                      .add = child<&Material::plastic>,
                      .all = only<&Material::plastic>},
@@ -195,9 +202,9 @@ const Table& material_table() {
       "[materials.<name>]",
       "A material.",
       {{.name = "model",
-        .meaning = "kind of matter",
+        .meaning = "kind of matter; \"viscoelastic\" is a fluid bonded to the neighbours it has now",
         .slot = at<&Material::model>,
-        .choices = {"elastic", "fluid"}},
+        .choices = {"elastic", "fluid", "viscoelastic"}},
        {.name = "law",
         .meaning = "elastic law; \"projective\" has Poisson's ratio 1/4 always",
         .slot = at<&Material::law>,
@@ -220,14 +227,14 @@ const Table& material_table() {
                   .high = 1e12,
                   .above = true,
                   .why = "matter without stiffness is not elastic, and none is stiffer than diamond"},
-        .applies = elastic},
+        .applies = stiff},
        {.name = "poisson",
         .meaning = "Poisson's ratio; at most 0.499 in solids; law = \"projective\": 1/4, in sheets 1/3",
         .slot = at<&Material::poisson>,
         .range = {.low = 0,
                   .high = 0.95,
                   .why = "at 0.5 the bulk modulus of solids is infinite, and that of sheets at 1"},
-        .applies = elastic},
+        .applies = stiff},
        {.name = "split",
         .meaning = "law \"projective\" only: share of the deviatoric term",
         .slot = at<&Material::split>,
@@ -259,20 +266,28 @@ const Table& material_table() {
         .example = "0.02",
         .applies = elastic},
        plastic_key(),
+       {.name = "relaxation_time",
+        .meaning =
+            "model \"viscoelastic\": in which shear stress falls to 1/e (Maxwell); by default it stays",
+        .slot = at<&Material::relaxation_time>,
+        .unit = "s",
+        .range = {.low = 0, .above = true, .why = "what relaxes at once is a fluid"},
+        .example = "0.5",
+        .applies = relaxes},
        {.name = "viscosity",
-        .meaning = "model \"fluid\": dynamic viscosity; water 0.001, honey about 10",
+        .meaning = "models \"fluid\" and \"viscoelastic\": dynamic viscosity; water 0.001, honey about 10",
         .slot = at<&Material::viscosity>,
         .unit = "Pa s",
         .range = {.low = 0, .why = "less than none would speed up what flows past itself"},
         .applies = fluid},
        {.name = "redistribution",
-        .meaning = "model \"fluid\": how strongly particles spread evenly",
+        .meaning = "models \"fluid\" and \"viscoelastic\": how strongly particles spread evenly",
         .slot = at<&Material::redistribution>,
         .range = unit_interval,
         .applies = fluid},
        {.name = "surface_tension",
-        .meaning =
-            "model \"fluid\": pull on particles at the surface, towards the fluid; 0.02 rounds drops off",
+        .meaning = "models \"fluid\" and \"viscoelastic\": pull on particles at the surface, towards the "
+                   "fluid; 0.02 rounds drops off",
         .slot = at<&Material::surface_tension>,
         .range = {.low = 0, .high = 1, .why = "a stronger pull moves particles through each other"},
         .applies = fluid}},

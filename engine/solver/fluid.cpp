@@ -63,6 +63,7 @@ Fluid::Fluid(Device& device, const Scene& scene, const Model& model, const Plan&
   }
   device_.upload(buffer("fluid_material"), rows);
   forces_ = std::make_unique<FluidForces>(device_, scene_, *this, origin_);
+  if (plan_.bonds.any) elastic_ = std::make_unique<FluidElastic>(device_, scene_, *this, state_);
   if (plan_.flow.used())
     flow_ = std::make_unique<FluidFlow>(device_, scene_, model, *this, state_, origin_, base_);
   if (!plan_.walls) return;
@@ -125,10 +126,15 @@ void Fluid::advance(double time, double end, double step) {
     device_.upload(buffer("obstacle"), obstacle_rows(time, time + step));
   }
   forces_->move_ghosts(time, time + step);
+  if (elastic_) elastic_->keep_lists();
   find(step);
+  if (elastic_) elastic_->carry();
   forces_->viscosity(step);
+  if (elastic_) elastic_->solve(step);
   density(step);
+  if (elastic_) elastic_->settle(watched_);
   spread();
+  if (elastic_) elastic_->hold(), elastic_->flow();
   finish(step);
   if (flow_) flow_->end_step(births, end);
 }
@@ -190,28 +196,26 @@ void Fluid::find(double step) {
 }
 
 void Fluid::shift() {
-  kernels::fluid_shift::Args args{
-      .threads = plan_.model.places, .walls = plan_.walls, .rows = plan_.model.rows};
-  args.fluid_material = buffer("fluid_material");
-  args.fluid_velocity = buffer("fluid_velocity");
-  args.fluid_wall = buffer("fluid_wall");
+  kernels::fluid_shift::Args args{.threads = plan_.model.places, .rows = plan_.model.rows};
   args.support = plan_.model.smoothing.support;
   args.slope_scale = plan_.model.smoothing.spline_gradient();
   in_period(args);
-  args.fluid_place = buffer("fluid_place");
   args.fluid_lambda = buffer("fluid_lambda");
+  args.fluid_pull = buffer("fluid_pull");
   args.near_count = buffer("near_count");
   args.near = buffer("near");
-  args.fluid_shift = buffer("fluid_shift");
+  args.fluid_start = buffer("fluid_start");
+  args.fluid_moved = buffer("fluid_moved");
+  args.fluid_place = buffer("fluid_place");
   device_.run(args);
-  swap(buffers_.at("fluid_place"), buffers_.at("fluid_shift"));
 }
 
-void Fluid::project() {
+void Fluid::project(bool spread) {
   if (!plan_.walls) return;
   device_.enter("boundaries");
   device_.run(kernels::fluid_project::Args{.threads = plan_.model.places,
                                            .meshes = plan_.meshes,
+                                           .spread = spread,
                                            .obstacles = obstacles_.count(),
                                            .radius = plan_.model.reach / scene_.fluid.horizon / 2,
                                            .support = plan_.model.smoothing.support,
@@ -221,7 +225,8 @@ void Fluid::project() {
                                            .fluid_start = buffer("fluid_start"),
                                            .grid_distance = buffer("grid_distance"),
                                            .fluid_place = buffer("fluid_place"),
-                                           .fluid_wall = buffer("fluid_wall")});
+                                           .fluid_wall = buffer("fluid_wall"),
+                                           .fluid_moved = buffer("fluid_moved")});
   device_.enter("density");
 }
 
@@ -242,6 +247,7 @@ kernels::fluid_lambda::Args lambda_args(const Fluid& fluid) {
   args.near = fluid.buffer("near");
   args.fluid_total = fluid.buffer("fluid_total");
   args.fluid_lambda = fluid.buffer("fluid_lambda");
+  args.fluid_pull = fluid.buffer("fluid_pull");
   args.fluid_measure = fluid.buffer("fluid_measure");
   return args;
 }
@@ -249,25 +255,27 @@ kernels::fluid_lambda::Args lambda_args(const Fluid& fluid) {
 } // namespace
 
 void Fluid::density(double step) {
-  project();
   device_.enter("density");
   device_.run(kernels::fluid_warm::Args{.threads = plan_.model.places,
                                         .share = warm_share * step * step,
+                                        .time_step = step,
                                         .fluid_start = buffer("fluid_start"),
-                                        .fluid_lambda = buffer("fluid_lambda"),
-                                        .fluid_total = buffer("fluid_total")});
-  shift();
+                                        .fluid_velocity = buffer("fluid_velocity"),
+                                        .fluid_total = buffer("fluid_total"),
+                                        .fluid_moved = buffer("fluid_moved")});
   project();
-  for (unsigned k = 0; k < scene_.fluid.density_iterations; ++k) {
+  for (unsigned k = 0; k <= scene_.fluid.density_iterations;
+       ++k) { // before the first, those of the last step
     kernels::fluid_lambda::Args args = lambda_args(*this);
     in_period(args);
+    args.warm = k == 0;
     device_.run(args);
     shift();
     project();
   }
   device_.run(kernels::fluid_speed::Args{.threads = plan_.model.places,
                                          .time_step = step,
-                                         .fluid_start = buffer("fluid_start"),
+                                         .fluid_moved = buffer("fluid_moved"),
                                          .fluid_place = buffer("fluid_place"),
                                          .fluid_velocity = buffer("fluid_velocity")});
 }
@@ -277,12 +285,16 @@ void Fluid::spread() {
   for (unsigned k = 0; k < scene_.fluid.redistribution_iterations; ++k) {
     forces_->spread();
     swap(buffers_.at("fluid_place"), buffers_.at("fluid_shift"));
-    project();
+    project(true);
   }
 }
 
 std::unique_ptr<Readback> Fluid::force_sums(std::uint32_t row) {
   return watched_ ? forces_->sums(row) : nullptr;
+}
+
+std::unique_ptr<Readback> Fluid::bond_sums(std::uint32_t row) {
+  return watched_ && elastic_ ? elastic_->sums(row) : nullptr;
 }
 
 void Fluid::finish(double step) {

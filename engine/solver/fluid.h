@@ -3,6 +3,7 @@
 //
 //   find      y* = y + h (v + h g); particles sorted into cells, lists of neighbours at y*
 //   viscosity where a material has some: velocities and y*
+//   bonds     where a material has some: elasticity, and at the end of the step what flows; fluid_elastic.h
 //   density   iterations of a multiplier for each particle, so that none is denser than at rest, and of the
 //             shifts that these make; out of obstacles after each
 //   speed     velocities from what has moved so far
@@ -23,6 +24,7 @@
 #include "engine/model/fluid.h"
 #include "engine/plan/spec.h"
 #include "engine/solver/contact_obstacles.h"
+#include "engine/solver/fluid_elastic.h"
 #include "engine/solver/fluid_flow.h"
 #include "engine/solver/fluid_forces.h"
 
@@ -39,6 +41,7 @@ struct SimulationState;
 struct FluidPlan {
   FluidModel model;
   FluidForcePlan forces;
+  FluidBonds bonds;
   FluidFlowPlan flow;
   bool walls = false;  ///< obstacles
   bool meshes = false; ///< one of them is a distance grid
@@ -62,7 +65,11 @@ public:
   std::unique_ptr<Readback> sums(std::uint32_t row);
   std::unique_ptr<Readback> force_sums(std::uint32_t row); ///< see fluid_gradient_sum.decl; may be null
   const FluidPlan& plan() const { return plan_; }
-  /// For tests: a buffer by name; null when it is not in the plan.
+  std::unique_ptr<Readback> bond_sums(std::uint32_t row); ///< see fluid_bond_sum.decl; may be null
+  std::vector<double> plastic_strain() const { return elastic_->plastic_strain(); }
+  std::uint32_t obstacle_count() const { return obstacles_.count(); }
+  void exchange(const char* one, const char* other) { swap(buffers_.at(one), buffers_.at(other)); }
+  /// A buffer by name; null when it is not in the plan.
   BufferStorage* buffer(const std::string& name) const;
 
 private:
@@ -73,7 +80,7 @@ private:
   void find(double step);
   void density(double step);
   void shift();
-  void project();
+  void project(bool spread = false);
   void spread();
   void finish(double step);
 
@@ -85,6 +92,7 @@ private:
   Obstacles obstacles_;
   std::map<std::string, Buffer> buffers_;
   std::unique_ptr<FluidForces> forces_;
+  std::unique_ptr<FluidElastic> elastic_; ///< null without bonds
   std::unique_ptr<FluidFlow> flow_;
   Vector3 base_ = Vector3::Zero();   ///< m: where places count from, relative to the device's coordinates
   bool still_ = true;                ///< no obstacle moves

@@ -119,6 +119,7 @@ void list_forces(const FluidForcePlan& plan, const FluidModel& fluid, bool stati
   }
   if (plan.spread) {
     component = "redistribution";
+    buffer("fluid_shift", Type::real4, places);
     buffer("fluid_gradient", Type::real4, places);
     buffer("fluid_normal", Type::real4, places);
     kernel(kernels::fluid_gradient::Args{.fickian = plan.form == 0, .tension = plan.tension});

@@ -63,12 +63,14 @@ FluidPlan plan_fluid(const Scene& scene, const Model& model, bool statistics) {
 
   component = "density";
   buffer("fluid_material", Type::real4, std::size_t{FLUIDS} * FLUID_ROWS);
-  buffer("fluid_lambda", Type::real, places);
+  buffer("fluid_lambda", Type::real4, places);
+  buffer("fluid_pull", Type::real4, places);
+  buffer("fluid_moved", Type::real4, places);
   buffer("fluid_total", Type::real, places);
-  buffer("fluid_shift", Type::real4, places);
   kernel(kernels::fluid_warm::Args{});
+  kernel(kernels::fluid_lambda::Args{.warm = 1, .walls = plan.walls});
   kernel(kernels::fluid_lambda::Args{.walls = plan.walls});
-  kernel(kernels::fluid_shift::Args{.walls = plan.walls});
+  kernel(kernels::fluid_shift::Args{});
   kernel(kernels::fluid_speed::Args{});
   kernel(kernels::fluid_finish::Args{.bounded = scene.domain.given});
   if (statistics) {
@@ -91,9 +93,13 @@ FluidPlan plan_fluid(const Scene& scene, const Model& model, bool statistics) {
     kernel(kernels::fluid_project::Args{.meshes = plan.meshes});
   }
   plan.forces = plan_forces(scene, model, plan.model);
+  if (plan.walls && plan.forces.spread)
+    kernel(kernels::fluid_project::Args{.meshes = plan.meshes, .spread = 1});
   plan.flow = plan_flow(scene, model);
   list_flow(plan.flow, plan.buffers, plan.kernels);
   list_forces(plan.forces, plan.model, statistics, plan.buffers, plan.kernels);
+  plan.bonds = fluid_bonds(scene, model, plan.model);
+  list_bonds(plan, statistics);
   return plan;
 }
 

@@ -68,6 +68,8 @@ FrameNeeds frame_needs(const Scene& scene, const Model& model, const PlanRequest
   const bool start = scene.render.color == "displacement" || scene.render.color == "energy";
   needs.buffers.push_back({"particle", Type::real4, n, "frames"});
   if (start) needs.buffers.push_back({"start", Type::real4, n, "frames"});
+  if (scene.flows() && scene.render.color == "plastic_strain") // bonded fluids keep theirs in sorted order
+    needs.buffers.push_back({"flow", Type::real4, 2 * n, "frames"});
   needs.kernels.push_back(kernel_variant(
       kernels::frame_particles::Args{.field = colour_option(scene), .gone = may_lack_particles(scene)},
       "frames"));
@@ -140,10 +142,16 @@ void FrameOutput::update() {
                                             .position = s.position,
                                             .gradient = gradient_});
   const Vector3& origin = simulation_.scene_origin_;
+  if (simulation_.plan_.fluid && s.flow) {
+    std::vector<Real4<double>> rows(s.flow.count(), {0, 0, 0, 0});
+    const std::vector<double> strain = simulation_.plastic_strain();
+    for (std::size_t i = 0; i < strain.size(); ++i) rows[2 * i].x = strain[i];
+    device.upload(s.flow, rows);
+  }
   device.run(kernels::frame_particles::Args{
       .threads = static_cast<std::uint32_t>(simulation_.plan_.particles),
       .field = colour_,
-      .gone = simulation_.plan_.fluid_flow,
+      .gone = simulation_.plan_.fluid_sources,
       .share_at = simulation_.plan_.share_row * static_cast<std::uint32_t>(simulation_.plan_.particles),
       .scene_x = origin.x(),
       .scene_y = origin.y(),
@@ -194,7 +202,7 @@ void FrameOutput::find_torn() {
 
 std::vector<bool> FrameOutput::present() {
   std::vector<bool> there;
-  if (!simulation_.plan_.fluid_flow) return there;
+  if (!simulation_.plan_.fluid_sources) return there;
   for (const Real4<double>& y : simulation_.device_.download_real4(simulation_.state_->position))
     there.push_back(y.w != 0);
   return there;
@@ -230,7 +238,7 @@ std::vector<float> FrameOutput::field(const std::string& name, unsigned& compone
     for (const double damage : simulation_.damage()) values.push_back(static_cast<float>(damage));
     return values;
   }
-  if (name == "plastic_strain" && simulation_.plan_.plastic) {
+  if (name == "plastic_strain" && (simulation_.plan_.plastic || simulation_.plan_.fluid_flow)) {
     for (const double strain : simulation_.plastic_strain()) values.push_back(static_cast<float>(strain));
     return values;
   }

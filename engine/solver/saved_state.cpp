@@ -29,16 +29,24 @@ std::vector<std::string> persistent_buffers(const Plan& plan) {
   if (plan.plastic) // lengths of bonds at rest, what led to them, and K_i
     for (const char* name : {"rest", "flow", "linear_start"})
       if (std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
-  if (plan.fluid_flow) // who was born, who was taken out
+  if (plan.fluid_bonds) // of fluids: who was near whom, where, and at what lengths bonds rest
+    for (const char* name : {"near_count", "near", "near_rest", "near_place_of"}) names.emplace_back(name);
+  if (plan.fluid_flow) names.emplace_back("fluid_flow");
+  if (plan.fluid_sources) // who was born, who was taken out
     for (const char* name : {"emitter_count", "sunk"}) names.emplace_back(name);
   return names;
+}
+
+BufferStorage* Simulation::persistent(const std::string& name) const {
+  if (Buffer* const buffer = state_->find(name)) return *buffer;
+  return fluid_ ? fluid_->buffer(name) : nullptr;
 }
 
 SavedState Simulation::save() {
   SavedState saved{step_, first_of_bdf2_, {}};
   for (const std::string& name : persistent_buffers(plan_)) {
     if (!plan_.find(name)) continue;
-    const Buffer& buffer = *state_->find(name);
+    BufferStorage* const buffer = persistent(name);
     SavedBuffer copy{name, buffer->type(), std::vector<std::byte>(buffer->bytes())};
     device_.read(buffer, 0, copy.bytes);
     saved.buffers.push_back(std::move(copy));
@@ -50,8 +58,8 @@ void Simulation::load(const SavedState& saved) {
   std::size_t fitting = 0, wanted = 0;
   for (const std::string& name : persistent_buffers(plan_)) wanted += plan_.find(name) ? 1 : 0;
   for (const SavedBuffer& copy : saved.buffers) {
-    Buffer* buffer = plan_.find(copy.name) ? state_->find(copy.name) : nullptr;
-    if (!buffer || (*buffer)->type() != copy.type || (*buffer)->bytes() != copy.bytes.size())
+    BufferStorage* const buffer = plan_.find(copy.name) ? persistent(copy.name) : nullptr;
+    if (!buffer || buffer->type() != copy.type || buffer->bytes() != copy.bytes.size())
       throw Error(ExitCode::internal,
                   fmt::format("a saved state whose buffer '{}' of {} bytes is none of this simulation's",
                               copy.name, copy.bytes.size()));
@@ -61,7 +69,7 @@ void Simulation::load(const SavedState& saved) {
     throw Error(
         ExitCode::internal,
         fmt::format("a saved state of {} buffers given to a simulation that has {}", fitting, wanted));
-  for (const SavedBuffer& copy : saved.buffers) device_.write(*state_->find(copy.name), 0, copy.bytes);
+  for (const SavedBuffer& copy : saved.buffers) device_.write(persistent(copy.name), 0, copy.bytes);
   step_ = saved.step;
   first_of_bdf2_ = saved.first_of_bdf2;
   if (fluid_ && fluid_->flow()) fluid_->flow()->reload();
@@ -71,7 +79,7 @@ void Simulation::load(const SavedState& saved) {
 
 void Simulation::keep() {
   device_.enter("divergence");
-  for (const auto& [name, copy] : state_->kept) device_.copy(*state_->find(name), copy);
+  for (const auto& [name, copy] : state_->kept) device_.copy(persistent(name), copy);
   kept_step_ = step_;
   kept_first_of_bdf2_ = first_of_bdf2_;
 }
@@ -79,7 +87,7 @@ void Simulation::keep() {
 void Simulation::rewind() {
   if (!plan_.divergence)
     throw Error(ExitCode::internal, "no state is kept: divergence is not in this simulation's plan");
-  for (const auto& [name, copy] : state_->kept) device_.copy(copy, *state_->find(name));
+  for (const auto& [name, copy] : state_->kept) device_.copy(copy, persistent(name));
   step_ = kept_step_;
   first_of_bdf2_ = kept_first_of_bdf2_;
   if (fluid_ && fluid_->flow()) fluid_->flow()->reload();

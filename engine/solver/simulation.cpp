@@ -223,6 +223,7 @@ std::vector<double> Simulation::damage() {
 }
 
 std::vector<double> Simulation::plastic_strain() {
+  if (plan_.fluid_flow) return fluid_->plastic_strain();
   return plastic_ ? plastic_->strain() : std::vector<double>(model_.count(), 0.0);
 }
 
@@ -259,6 +260,13 @@ Snapshot Simulation::snapshot() {
   }
   if (plan_.fluid)
     for (const Real4d& y : device_.download_real4(s.position)) state.mass.push_back(y.w);
+  if (plan_.fluid_bonds) {
+    state.bonds.near_count = device_.download_uint(fluid_->buffer("near_count"));
+    state.bonds.near = device_.download_uint(fluid_->buffer("near"));
+    state.bonds.near_place_of = device_.download_uint(fluid_->buffer("near_place_of"));
+    state.bonds.near_rest = device_.download_real(fluid_->buffer("near_rest"));
+    if (plan_.fluid_flow) state.bonds.fluid_flow = device_.download_real4(fluid_->buffer("fluid_flow"));
+  }
   if (s.emitter_count) state.emitter_count = device_.download_uint(s.emitter_count);
   if (s.sunk) state.sunk = device_.download_uint(s.sunk);
   return state;
@@ -292,6 +300,13 @@ void Simulation::restore(const Snapshot& state) {
     device_.upload(s.rest, state.rest);
     device_.upload(s.flow, state.flow);
     device_.upload(s.linear_start, state.diagonal);
+  }
+  if (plan_.fluid_bonds && !state.bonds.near_rest.empty()) {
+    device_.upload(fluid_->buffer("near_count"), state.bonds.near_count);
+    device_.upload(fluid_->buffer("near"), state.bonds.near);
+    device_.upload(fluid_->buffer("near_place_of"), state.bonds.near_place_of);
+    device_.upload(fluid_->buffer("near_rest"), state.bonds.near_rest);
+    if (plan_.fluid_flow) device_.upload(fluid_->buffer("fluid_flow"), state.bonds.fluid_flow);
   }
   if (s.emitter_count && !state.emitter_count.empty()) device_.upload(s.emitter_count, state.emitter_count);
   if (s.sunk && !state.sunk.empty()) device_.upload(s.sunk, state.sunk);

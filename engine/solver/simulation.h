@@ -77,6 +77,11 @@ struct Snapshot {
   std::vector<double> rest;                             ///< plasticity, as on the device; else empty
   std::vector<Real4<double>> flow, diagonal;            ///< with it
   std::vector<double> mass;                             ///< fluids: kg, 0 of what was removed; else empty
+  struct FluidBonds {
+    std::vector<std::uint32_t> near_count, near, near_place_of;
+    std::vector<double> near_rest;
+    std::vector<Real4<double>> fluid_flow;
+  } bonds; ///< of fluids, as on the device; else empty
   std::vector<std::uint32_t> emitter_count, sunk;       ///< with it, where there are emitters and sinks
 };
 
@@ -172,6 +177,7 @@ private:
   void advance();
   void advance_fluid();
   void rebase();
+  BufferStorage* persistent(const std::string& name) const;
   void write_statistics();
   StepStatistics row(std::span<const std::byte> bytes, std::uint64_t step) const;
   void load_displacement(const std::vector<Vector3>& positions);
@@ -204,7 +210,7 @@ private:
   bool kept_first_of_bdf2_ = true;
   struct Pending {
     std::uint64_t step = 0;
-    std::unique_ptr<Readback> readback, fracture, plastic, fluid, forces;
+    std::unique_ptr<Readback> readback, fracture, plastic, fluid, forces, bonds;
     unsigned plastic_rounds = 0, earlier_iterations = 0;
     std::uint64_t emitted = 0;
     std::unique_ptr<Readback> sunk = nullptr;

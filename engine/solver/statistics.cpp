@@ -41,10 +41,11 @@ void Simulation::write_statistics() {
                                               .statistics = s.statistics});
   const std::size_t bytes = 16 * element_bytes(Type::real, device_.info().precision);
   pending_.push_back({step_ + 1, device_.request(s.statistics, row * bytes, bytes), nullptr, nullptr, nullptr,
-                      nullptr, plastic_rounds_, earlier_iterations_});
+                      nullptr, nullptr, plastic_rounds_, earlier_iterations_});
   if (failure_) pending_.back().fracture = failure_->sums(row);
   if (plastic_) pending_.back().plastic = plastic_->sums(row);
   if (fluid_) pending_.back().fluid = fluid_->sums(row), pending_.back().forces = fluid_->force_sums(row);
+  if (fluid_) pending_.back().bonds = fluid_->bond_sums(row);
   if (fluid_ && fluid_->flow()) {
     pending_.back().emitted = fluid_->flow()->emitted();
     pending_.back().sunk = fluid_->flow()->sunk();
@@ -84,6 +85,7 @@ StepStatistics Simulation::row(std::span<const std::byte> bytes, std::uint64_t s
   }
   if (fluid_) { // its rows hold velocities where those of others hold displacements
     s.largest_displacement *= solve_step_;
+    if (plan_.fluid_bonds) return s; // of the elastic solve
     s.iterations = scene_.fluid.density_iterations;
     s.reason = StopReason::cap;
   }
@@ -172,13 +174,24 @@ std::vector<StepStatistics> Simulation::take_statistics(bool wait) {
       next.removed = static_cast<std::size_t>(std::lround(real_at(sums, 4, wide)));
       next.neighbours_dropped = static_cast<std::size_t>(std::lround(real_at(sums, 5, wide)));
       next.lists_full = static_cast<std::size_t>(std::lround(real_at(sums, 6, wide)));
-      next.residual = real_at(sums, 7, wide);
+      if (!plan_.fluid_bonds) next.residual = real_at(sums, 7, wide);
       if (const FluidFlow* flow = fluid_->flow()) {
         next.emitted = pending_.front().emitted;
         if (pending_.front().sunk) next.sunk = sum_of(pending_.front().sunk->wait());
         next.present = model_.count() - next.removed; // column 4: all that have no mass
         next.removed = flow->bodies() + next.emitted - next.sunk - next.present;
       }
+    }
+    if (pending_.front().bonds) {
+      const bool wide = device_.info().precision == Precision::double_precision;
+      const std::span<const std::byte> sums = pending_.front().bonds->wait();
+      next.yielding = static_cast<std::size_t>(std::lround(real_at(sums, 0, wide)));
+      next.plastic_work = real_at(sums, 1, wide);
+      next.plastic_strain = real_at(sums, 2, wide);
+      next.plastic_volume = real_at(sums, 3, wide);
+      next.yield_excess = real_at(sums, 4, wide);
+      next.elastic_energy = real_at(sums, 5, wide);
+      next.plastic_rounds = 1;
     }
     if (pending_.front().forces) {
       const bool wide = device_.info().precision == Precision::double_precision;

@@ -61,8 +61,10 @@ TEST(FluidScene, WrongOnesAreRefused) {
               HasSubstr("s.toml:5:1: materials.water.young is one of elastic materials"));
   EXPECT_THAT(in_material("plastic = { cohesion = 1 }"),
               HasSubstr("materials.water.plastic is one of elastic"));
-  EXPECT_THAT(complaint(with_line(4, "viscosity = 1")),
-              HasSubstr("s.toml:4:1: materials.rubber.viscosity applies to model = \"fluid\" only"));
+  EXPECT_THAT(
+      complaint(with_line(4, "viscosity = 1")),
+      HasSubstr(
+          "s.toml:4:1: materials.rubber.viscosity applies to models \"fluid\" and \"viscoelastic\" only"));
   EXPECT_THAT(with("fixed = [{ region = { box = [1, 1, 1] } }]\n"),
               HasSubstr("s.toml:12:1: body.0.fixed is for solids"));
   EXPECT_THAT(with("start = \"flat\"\n"), HasSubstr("body.0.start is for solids"));
@@ -87,6 +89,77 @@ TEST(FluidScene, WrongOnesAreRefused) {
   EXPECT_THAT(with("[output]\nfields = [\"strain\"]\n"),
               HasSubstr("output.fields: fluids have no \"strain\""));
   EXPECT_THAT(with("[render]\ncolor = \"energy\"\n"), HasSubstr("fluids have no such field"));
+}
+
+const std::string clay = "[simulation]\n"
+                         "spacing = 0.1\n"
+                         "[materials.clay]\n"
+                         "model = \"viscoelastic\"\n"
+                         "young = 2e5\n"
+                         "poisson = 0.25\n"
+                         "plastic = { cohesion = 1e3, friction = 10 }\n"
+                         "relaxation_time = 0.5\n"
+                         "viscosity = 2\n"
+                         "[[body]]\n"
+                         "name = \"lump\"\n"
+                         "material = \"clay\"\n"
+                         "shape = { box = [1, 1, 1] }\n";
+
+TEST(ViscoelasticScene, KeysAreRead) {
+  const Scene scene =
+      parsed(clay + "[output]\nfields = [\"plastic_strain\"]\n[render]\ncolor = \"plastic_strain\"\n");
+  const Material& material = scene.materials[0];
+  ASSERT_TRUE(scene.flows());
+  EXPECT_TRUE(material.fluid());
+  EXPECT_TRUE(material.bonded());
+  EXPECT_EQ(material.young, 2e5);
+  EXPECT_EQ(material.poisson, 0.25);
+  EXPECT_TRUE(material.plastic.given);
+  EXPECT_EQ(material.plastic.cohesion, 1e3);
+  EXPECT_EQ(material.relaxation_time, 0.5);
+  EXPECT_EQ(material.viscosity, 2);
+  const nlohmann::json json = scene_to_json(scene)["materials"]["clay"];
+  EXPECT_EQ(json["model"], "viscoelastic");
+  EXPECT_EQ(json["young"], 2e5);
+  EXPECT_EQ(json["relaxation_time"], 0.5);
+  EXPECT_EQ(json["plastic"]["cohesion"], 1e3);
+  EXPECT_FALSE(json.contains("law"));
+  EXPECT_FALSE(scene_to_json(parsed(water))["materials"]["water"].contains("relaxation_time"));
+}
+
+TEST(ViscoelasticScene, WrongOnesAreRefused) {
+  const auto with = [](const std::string& was, const std::string& now) {
+    std::string text = clay;
+    return complaint(text.replace(text.find(was), was.size(), now));
+  };
+  EXPECT_EQ(complaint(clay), "");
+  EXPECT_THAT(with("young = 2e5", "young = -1"),
+              HasSubstr("s.toml:5:9: materials.clay.young = -1 is out of range"));
+  EXPECT_THAT(with("poisson = 0.25", "poisson = 0.5"),
+              HasSubstr("s.toml:6:11: materials.clay.poisson = 0.5 must be at most 0.499"));
+  EXPECT_THAT(with("poisson = 0.25", "poisson = -0.1"),
+              HasSubstr("materials.clay.poisson = -0.1 is out of range"));
+  EXPECT_THAT(with("cohesion = 1e3", "cohesion = -1"), HasSubstr("cohesion = -1 is out of range"));
+  EXPECT_THAT(with("friction = 10", "friction = 90"), HasSubstr("friction = 90 is out of range"));
+  EXPECT_THAT(with("cohesion = 1e3, friction = 10", "cohesion = 0"),
+              HasSubstr("materials.clay.plastic.cohesion = 0 without friction bears nothing"));
+  EXPECT_THAT(with("relaxation_time = 0.5", "relaxation_time = 0"),
+              HasSubstr("s.toml:8:19: materials.clay.relaxation_time = 0 is out of range"));
+  EXPECT_THAT(with("young = 2e5", "law = \"ordinary\""),
+              HasSubstr("s.toml:5:1: materials.clay.law is one of elastic materials"));
+  EXPECT_THAT(with("viscosity = 2", "fracture_energy = 2"),
+              HasSubstr("materials.clay.fracture_energy is one of elastic"));
+  EXPECT_THAT(with("\"viscoelastic\"", "\"jelly\""), HasSubstr("viscoelastic"));
+  std::string text = water;
+  EXPECT_THAT(
+      complaint(text.replace(text.find("viscosity = 0.5"), 15, "relaxation_time = 1")),
+      HasSubstr("s.toml:5:1: materials.water.relaxation_time applies to model = \"viscoelastic\" only"));
+  EXPECT_THAT(complaint(with_line(4, "relaxation_time = 1")),
+              HasSubstr("materials.rubber.relaxation_time applies to model = \"viscoelastic\" only"));
+  EXPECT_THAT(complaint(clay + "[output]\nfields = [\"strain\"]\n"), HasSubstr("fluids have no \"strain\""));
+  EXPECT_THAT(complaint(water + "[output]\nfields = [\"plastic_strain\"]\n"), HasSubstr("plastic"));
+  EXPECT_THAT(complaint(clay + "[[body]]\nmaterial = \"steel\"\nshape = { sphere = 1 }\n[materials.steel]\n"),
+              HasSubstr("is elastic and another is a fluid"));
 }
 
 // Walls may meet in a corner; one within another is one too many.

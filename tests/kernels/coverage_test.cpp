@@ -16,6 +16,7 @@ std::string chain_of(const std::string& kernel) {
   if (kernel == "residual" || kernel.rfind("line_", 0) == 0) return "line_search";
   if (kernel.rfind("conjugate_", 0) == 0) return "conjugate";
   if (kernel.rfind("fluid_viscosity_", 0) == 0) return "fluid_viscosity";
+  if (kernel.rfind("fluid_bond_", 0) == 0) return "fluid_bond";
   if (kernel.rfind("fluid_ghost_", 0) == 0) return "fluid_ghost";
   for (const char* part : {"fluid_gradient", "fluid_newton", "fluid_redistribute"})
     if (kernel.rfind(part, 0) == 0) return "fluid_redistribute";

@@ -3,6 +3,7 @@
 #include "engine/model/smoothing.h"
 #include "kernels/fluid_finish.h"
 #include "kernels/fluid_project.h"
+#include "kernels/fluid_speed.h"
 #include "kernels/fluid_sum.h"
 #include "kernels/fluid_warm.h"
 #include "shaders/common/contact.glsl"
@@ -14,15 +15,36 @@ namespace {
 PLIANT_ON_EVERY_DEVICE(FluidStep);
 
 TEST_P(FluidStep, StartWithAShareOfTheLast) {
-  Values in{{"share", {0.75}}};
+  Values in{{"share", {0.75}}, {"time_step", {0.25}}};
   Random random(16);
   const std::size_t size = 129;
   in["fluid_start"] = random_groups(random, size, 1);
-  in["fluid_lambda"] = in["fluid_total"] = guarded(std::vector<double>(size, sentinel), 1);
-  Expected lambda(in["fluid_lambda"]);
-  for (std::size_t i = 0; i < size; ++i) lambda.set(i, 0.75 * std::min(in["fluid_start"][4 * i + 3], 0.0), 1);
+  in["fluid_velocity"] = random_groups(random, size, 1);
+  in["fluid_total"] = guarded(std::vector<double>(size, sentinel), 1);
+  in["fluid_moved"] = guarded(std::vector<double>(4 * size, sentinel), 4);
+  Expected total(in["fluid_total"]), moved(in["fluid_moved"]);
+  for (std::size_t i = 0; i < size; ++i) {
+    total.set(i, 0.75 * std::min(in["fluid_start"][4 * i + 3], 0.0), 1);
+    for (std::size_t a = 0; a < 4; ++a)
+      moved.set(4 * i + a, a < 3 ? 0.25 * in["fluid_velocity"][4 * i + a] : 0);
+  }
   expect_kernel<kernels::fluid_warm::Args>(GetParam(), size, in,
-                                           {{"fluid_lambda", lambda}, {"fluid_total", lambda}}, 1);
+                                           {{"fluid_total", total}, {"fluid_moved", moved}}, 1);
+}
+
+// From what has moved, not from places, of which only the sign of the mass is looked at.
+TEST_P(FluidStep, VelocitiesAreWhatMovedOverTheStep) {
+  Values in{{"time_step", {0.25}}};
+  Random random(19);
+  const std::size_t size = 129;
+  in["fluid_moved"] = random_groups(random, size, 1);
+  in["fluid_place"] = random_groups(random, size, 1);
+  in["fluid_velocity"] = guarded(random_groups(random, size, 1), 4);
+  Expected velocity(in["fluid_velocity"]);
+  for (std::size_t i = 0; i < size; ++i)
+    for (std::size_t a = 0; a < 3 && in["fluid_place"][4 * i + 3] > 0; ++a)
+      velocity.set(4 * i + a, 4 * in["fluid_moved"][4 * i + a], 0);
+  expect_kernel<kernels::fluid_speed::Args>(GetParam(), size, in, {{"fluid_velocity", velocity}}, 0);
 }
 
 TEST_P(FluidStep, RowsAreSums) {
@@ -110,6 +132,14 @@ TEST_P(FluidStep, ObstaclesPushOut) {
                                                      {0.25, 0.15625, 0}};
   for (std::size_t i = 0; i < wanted.size(); ++i)
     for (std::size_t a = 0; a < 3; ++a) place.set(4 * i + a, wanted[i][a], 1);
+  // What was pushed is added to what has moved, in places that have moved on without it too.
+  in["fluid_moved"] = std::vector<double>(4 * cases.size(), 0.0);
+  Expected moved(in["fluid_moved"]);
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    for (std::size_t a = 0; a < 3 && cases[i][3] > 0; ++a) {
+      in["fluid_moved"][4 * i + a] = cases[i][a] - cases[i][4 + a];
+      moved.set(4 * i + a, wanted[i][a] - cases[i][4 + a], 1);
+    }
   in["fluid_wall"] = std::vector<double>(4 * cases.size(), sentinel);
   Expected wall(in["fluid_wall"]);
   // Free and near nothing; at the radius from the floor; 0.15625 above it; at the radius from the ball.
@@ -129,8 +159,13 @@ TEST_P(FluidStep, ObstaclesPushOut) {
       EXPECT_NEAR(out.at("fluid_wall")[4 * i + k], values[k], k == 3 ? 2e-4 : 2e-3 / smoothing.support)
           << i << " " << k;
   }
-  expect_kernel<kernels::fluid_project::Args>(GetParam(), std::uint32_t(cases.size()), in,
-                                              {{"fluid_place", place}, {"fluid_wall", wall}}, 8);
+  for (const double spread : {0.0, 1.0}) {
+    in["spread"] = {spread};
+    if (spread > 0) in["fluid_moved"].assign(4 * cases.size(), 0.0);
+    expect_kernel<kernels::fluid_project::Args>(
+        GetParam(), std::uint32_t(cases.size()), in,
+        {{"fluid_place", place}, {"fluid_wall", wall}, {"fluid_moved", moved}}, 8);
+  }
 }
 
 // Beyond a side that repeats a particle comes in on the other; beyond another it is removed, and stays so.

@@ -113,6 +113,8 @@ INSTANTIATE_TEST_SUITE_P(
                   "body.0.material = 'ruber' is not a material of this scene; did you mean 'rubber'?"},
         RangeCase{6, "name = \"a/b\"", "without slashes"}, RangeCase{6, "name = \"\"", "1 to 64 letters"},
         RangeCase{6, "name = \"7\"", "named by a number"},
+        RangeCase{6, "name = \"my ball\"", "must start with a letter or _"},
+        RangeCase{6, "name = \"Assembly\"", "must start with a letter or _"},
         RangeCase{6, "start = \"flatt\"", "did you mean 'flat'?"},
         RangeCase{6, "velocity = [0, 0, -inf]", "velocity[2] = -inf is not finite"}));
 

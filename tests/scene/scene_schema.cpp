@@ -64,8 +64,10 @@ std::string good_table(const Table& table, const Key* also) {
   // Keys that need another.
   const auto named = [&](auto... names) { return also && ((also->name == names) || ...); };
   const bool plain = named("law", "young", "poisson", "fracture_energy", "critical_stretch");
-  const bool fluid = named("viscosity", "redistribution", "surface_tension");
-  if (&table == &schema::material_table() && fluid) text += ", model = \"fluid\"";
+  const bool bonded = named("relaxation_time"),
+             fluid = bonded || named("viscosity", "redistribution", "surface_tension");
+  if (&table == &schema::material_table() && fluid)
+    text += bonded ? ", model = \"viscoelastic\"" : ", model = \"fluid\"";
   if (&table == &schema::material_table() && also && also->applies && !plain && !fluid) {
     const bool basis = also->name == "basis",
                stretch = also->name == "form" || also->name == "calibration" || also->name == "anisotropy";

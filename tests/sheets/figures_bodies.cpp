@@ -82,13 +82,19 @@ TEST(SheetFigure, ATrampolinesPatternTurnsWithItsDirections) {
 
 // Fig. 11. All end at rest above the cloth, the right side out.
 TEST(SheetFigure, FiveBodiesComeToRestOnAClothTheyDoNotPass) {
-  const Scene scene = example_scene("five-materials", {"simulation.spacing=0.04", "simulation.time_step=1/30",
-                                                       "allow=[\"sparse\"]", "simulation.end=3"});
+  const Scene scene = example_scene(
+      "five-materials", {"simulation.spacing=0.04", "simulation.time_step=1/120", "allow=[\"sparse\"]"});
   if (!missing_mesh(scene).empty()) GTEST_SKIP() << missing_mesh(scene) << " is not on this machine";
   const Model model = assemble(scene);
   const auto open = open_alone({"openmp_float", "openmp", Precision::single_precision});
   Simulation simulation(*open, scene, model);
-  const Points y = run_scene(simulation, scene);
+  std::size_t steps = 0, capped = 0;
+  const Points y = run_scene(simulation, scene, [&](const Points&) {
+    for (const StepStatistics& row : simulation.take_statistics())
+      ++steps, capped += row.reason == StopReason::cap;
+  });
+  EXPECT_EQ(steps, 480);
+  EXPECT_EQ(capped, 0) << "steps that ended with their iterations";
   const std::vector<Vector3> velocity = simulation.velocities();
   const BodyModel& cloth = model.bodies[0];
   double depth = 0;

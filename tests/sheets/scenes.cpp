@@ -279,6 +279,20 @@ TEST(SheetPlan, SolidsHaveNothingOfSheets) {
   EXPECT_EQ(flat.buffers.size(), plain.buffers.size());
 }
 
+TEST(SheetPlan, AutoTakesTheFactorOfSheetsThatTouchNothing) {
+  const std::string cloth = "young = 1e6";
+  const Scene alone = parsed(scene_with("", cloth, a_sheet));
+  const Method method = choose_method(alone, assemble(alone));
+  EXPECT_GT(method.stiffness_number, 50);
+  EXPECT_LT(method.stiffness_number, 1e5);
+  EXPECT_EQ(method.name, "lbfgs");
+  EXPECT_EQ(method.preconditioner, "direct");
+  const Scene touching = parsed(scene_with("", cloth, a_sheet) + "[contact]\nself = true\n");
+  EXPECT_NE(choose_method(touching, assemble(touching)).preconditioner, "direct");
+  const Scene tearing = parsed(scene_with("", cloth + "\nfracture_energy = 10", a_sheet));
+  EXPECT_NE(choose_method(tearing, assemble(tearing)).preconditioner, "direct");
+}
+
 TEST(SheetPlan, AutoLeavesTheMultilevelPreconditionerOut) {
   const Scene scene = parsed(scene_with("", "young = 1e9", a_sheet));
   const Method method = choose_method(scene, assemble(scene));

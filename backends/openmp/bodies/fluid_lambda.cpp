@@ -7,24 +7,44 @@
 
 namespace pliant::openmp::PLIANT_ISA {
 
-template <class real> void fluid_lambda(const kernels::fluid_lambda::View<real>& k) {
+namespace {
+
+/// Sums over the neighbours, without the factors of value and slope.
+template <class real> struct Sums {
+  Wide<real> value{}, squares{};
+  Wide3<real> gradient{};
+};
+
+template <bool warm, class real>
+PLIANT_INLINE Sums<real> sum_up(const kernels::fluid_lambda::View<real>& k, const Part<real>& part,
+                                const Wide4<real>& place) {
   const Wide<real> none{};
   const real per_support = 1 / k.support;
+  Sums<real> sums;
+  for_each_near(k, part, place, [&](const uint*, const Wide4<real>& d, WideMask<real> self) {
+    const Wide<real> r2 = d.x * d.x + d.y * d.y + d.z * d.z;
+    const Wide<real> q = root_wide<real>(r2) * per_support,
+                     per_q = 1 / q; // without bound at 0, where slopes have one
+    const Wide<real> mass = counting_mass<real>(d.w), slope = spline_slope(q, per_q), steep = mass * slope;
+    sums.gradient.x += steep * d.x, sums.gradient.y += steep * d.y, sums.gradient.z += steep * d.z;
+    if constexpr (!warm) {
+      const Wide<real> value = mass * spline_value(q);
+      sums.value += self ? none : value;
+      sums.squares += most_of<Wide<real>>(d.w, none) * (slope * slope * r2);
+    }
+  });
+  return sums;
+}
+
+template <bool warm, class real> PLIANT_INLINE void sweep(const kernels::fluid_lambda::View<real>& k) {
+  const Wide<real> none{};
 #pragma omp parallel for schedule(static)
   for (uint first = 0; first < k.threads; first += lanes<real>) {
     const Part<real> part = make_part<real>(first, k.threads - first);
     const Wide4<real> place = gather(k.fluid_place, part.index);
-    Wide<real> sum = magnitudes<real>(place.w) * spline_value(none), squares{};
-    Wide3<real> gradient{};
-    for_each_near(k, part, place, [&](const uint*, const Wide4<real>& d, WideMask<real> self) {
-      const Wide<real> q = root_wide<real>(d.x * d.x + d.y * d.y + d.z * d.z) * per_support;
-      const Wide<real> mass = magnitudes<real>(d.w), slope = spline_slope(q);
-      const Wide<real> value = mass * spline_value(q);
-      sum += self ? none : value;
-      const Wide3<real> steep{slope * d.x, slope * d.y, slope * d.z};
-      gradient.x += mass * steep.x, gradient.y += mass * steep.y, gradient.z += mass * steep.z;
-      squares += (d.w > 0 ? d.w : none) * dot(steep, steep);
-    });
+    const WideMask<real> moves = place.w > 0;
+    const Sums<real> sums = sum_up<warm>(k, part, place);
+    Wide3<real> gradient = sums.gradient;
     Wide<real> rest, softness, most, edge;
     for (uint lane = 0; lane < lanes<real>; ++lane) {
       const auto* rows =
@@ -34,7 +54,8 @@ template <class real> void fluid_lambda(const kernels::fluid_lambda::View<real>&
       softness[lane] = rows[FLUID_LIMITS].x, most[lane] = rows[FLUID_LIMITS].y;
       edge[lane] = rows[FLUID_LIMITS].z;
     }
-    Wide<real> error = k.value_scale * sum / rest - 1;
+    const Wide<real> own = counting_mass<real>(place.w) * spline_value(none);
+    Wide<real> error = k.value_scale * (own + sums.value) / rest - 1;
     if (k.walls) {
       const Wide4<real> wall = gather(k.fluid_wall, part.index);
       const Wide<real> scale = rest / k.slope_scale;
@@ -44,18 +65,36 @@ template <class real> void fluid_lambda(const kernels::fluid_lambda::View<real>&
     if (k.measured) {
       const Wide<real> steep2 = k.slope_scale * k.slope_scale * dot(gradient, gradient), one = none + 1;
       store(k.fluid_measure + first, part.count,
-            Wide4<real>{place.w > 0 ? error : none, place.w > 0 ? steep2 : none,
-                        place.w > 0 ? (steep2 <= edge * edge ? one : none) : none, place.w > 0 ? one : none});
+            Wide4<real>{moves ? error : none, moves ? steep2 : none,
+                        moves ? (steep2 <= edge * edge ? one : none) : none, moves ? one : none});
       continue;
     }
-    const Wide<real> scale = k.slope_scale / rest, total = load_wide(k.fluid_total + first);
-    const Wide<real> stiffness = scale * scale * (dot(gradient, gradient) / place.w + squares) + softness;
-    Wide<real> change = -k.relaxation * (error < most ? error : most) / (stiffness * rest);
-    change = change < -total ? change : -total;
-    change = place.w > 0 ? change : none;
-    store_reals(k.fluid_total + first, part.count, Wide<real>(total + change));
-    store_reals(k.fluid_lambda + first, part.count, change);
+    const Wide<real> total = load_wide(k.fluid_total + first);
+    Wide<real> change = total;
+    if constexpr (!warm) {
+      const Wide<real> scale = k.slope_scale / rest;
+      const Wide<real> stiffness =
+          scale * scale * (dot(gradient, gradient) / place.w + sums.squares) + softness;
+      change = -k.relaxation * (error < most ? error : most) / (stiffness * rest);
+      change = change < -total ? change : -total;
+    }
+    change = moves ? change : none;
+    if constexpr (!warm) store_reals(k.fluid_total + first, part.count, Wide<real>(total + change));
+    const Wide<real> each = k.slope_scale * change / place.w;
+    const auto pull = [&](Wide<real> along) -> Wide<real> { return moves ? each * along : none; };
+    store(k.fluid_lambda + first, part.count, Wide4<real>{place.x, place.y, place.z, change});
+    store(k.fluid_pull + first, part.count,
+          Wide4<real>{pull(gradient.x), pull(gradient.y), pull(gradient.z), place.w});
   }
+}
+
+} // namespace
+
+template <class real> void fluid_lambda(const kernels::fluid_lambda::View<real>& k) {
+  if (k.warm)
+    sweep<true>(k);
+  else
+    sweep<false>(k);
 }
 
 PLIANT_BODY(fluid_lambda)

@@ -21,7 +21,7 @@ template <class real> void fluid_newton(const kernels::fluid_newton::View<real>&
       const Wide<real> far = root_wide<real>(d.x * d.x + d.y * d.y + d.z * d.z), q = far * per_support;
       const Wide<real> per_far = 1 / (far > 0 ? far : one);
       const Wide3<real> n{per_far * d.x, per_far * d.y, per_far * d.z};
-      const Wide<real> steep = k.slope_scale * spiky_slope(q), slope = self ? none : steep;
+      const Wide<real> steep = k.slope_scale * spiky_slope<Wide<real>>(q, 1 / q), slope = self ? none : steep;
       const Wide<real> along = (k.curvature_scale * spiky_curvature(q) - slope) * dot(n, g);
       const Wide3<real> h{slope * g.x + along * n.x, slope * g.y + along * n.y, slope * g.z + along * n.z};
       own.x += h.x, own.y += h.y, own.z += h.z;

@@ -19,45 +19,46 @@ template <class real> struct Beyond {
   }
 };
 
-/// What an obstacle does to a particle at y that began the step at `start`; adds to `wall`.
+/// How far an obstacle pushes a particle that began the step at `start` and has moved since; adds to `wall`.
 template <class real>
-PLIANT_INLINE Vec3<real> pushed(const kernels::fluid_project::View<real>& k, uint o, Vec3<real> y,
-                                Vec3<real> start, Real4<real>& wall) {
+PLIANT_INLINE Vec3<real> pushed(const kernels::fluid_project::View<real>& k, uint o, Vec3<real> start,
+                                Vec3<real> moved, Real4<real>& wall) {
+  constexpr Vec3<real> none{0, 0, 0};
   const auto* rows = k.obstacle + OBSTACLE_ROWS * o;
   const auto traits = rows[OBSTACLE_KIND], place = rows[OBSTACLE_CENTRE], size = rows[OBSTACLE_SIZE];
-  const Vec3<real> from = y - xyz(place);
-  if (!(dot(from, from) <= place.w * place.w)) return y;
+  const Vec3<real> began = start - xyz(place), from = began + moved;
+  if (!(dot(from, from) <= place.w * place.w)) return none;
   const auto *axes = rows + OBSTACLE_AXES, *shift = rows + OBSTACLE_SHIFT;
   Place<real> p;
-  p.a = p.now = from.x * xyz(axes[0]) + from.y * xyz(axes[1]) + from.z * xyz(axes[2]); // R^T from
-  p.u = {0, 0, 0};
+  p.a = began.x * xyz(axes[0]) + began.y * xyz(axes[1]) + began.z * xyz(axes[2]); // R^T began
+  p.u = moved.x * xyz(axes[0]) + moved.y * xyz(axes[1]) + moved.z * xyz(axes[2]);
+  p.now = p.a + p.u;
   const bool container = traits.w > 0;
   const int kind = static_cast<int>(traits.x);
-  if (kind == OBSTACLE_MESH && !k.meshes) return y;
+  if (kind == OBSTACLE_MESH && !k.meshes) return none;
   const Reach<real> reach = kind == OBSTACLE_MESH
                                 ? mesh_distance(p, Vec3<real>{axes[0].w, axes[1].w, axes[2].w}, size.w,
                                                 k.grid[o], k.grid_distance, container)
                                 : shape_distance(kind, p, xyz(size));
   const real away = container ? -reach.d : reach.d, depth = k.radius - away;
-  if (!(away < k.support)) return y;
+  if (!(away < k.support)) return none;
   const Vec3<real> n = (container ? real(-1) : real(1)) * reach.normal;
   const Vec3<real> gradient{dot(xyz(axes[0]), n), dot(xyz(axes[1]), n), dot(xyz(axes[2]), n)};
   const real steep2 = dot(gradient, gradient);
-  if (!(steep2 > 0)) return y;
+  if (!(steep2 > 0)) return none;
   const Beyond<real> beyond(larger(away, k.radius) / k.support);
   const real slope = k.share * beyond.slope / (k.support * root(steep2));
   if (traits.z != OBSTACLE_GHOSTS)
     wall = {wall.x + slope * gradient.x, wall.y + slope * gradient.y, wall.z + slope * gradient.z,
             wall.w + k.share * beyond.share};
-  if (!(depth > 0)) return y;
+  if (!(depth > 0)) return none;
   const Vec3<real> push = (depth / steep2) * gradient;
   const Vec3<real> carried{dot(xyz(shift[0]), from) + shift[0].w, dot(xyz(shift[1]), from) + shift[1].w,
                            dot(xyz(shift[2]), from) + shift[2].w};
-  Vec3<real> slide = (y - start) - carried;
+  Vec3<real> slide = moved - carried;
   slide = slide - (dot(gradient, slide) / steep2) * gradient;
   const real slid = norm(slide), held = traits.z == 1 ? slid : smaller(slid, traits.y * norm(push));
-  const Vec3<real> out = y + push;
-  return held > 0 ? out - (held / slid) * slide : out;
+  return held > 0 ? push - (held / slid) * slide : push;
 }
 
 } // namespace
@@ -69,9 +70,10 @@ template <class real> void fluid_project(const kernels::fluid_project::View<real
     Real4<real> wall{0, 0, 0, 0};
     if (end.w > 0) {
       const Vec3<real> start = xyz(k.fluid_start[i]);
-      Vec3<real> y = xyz(end);
-      for (uint o = 0; o < k.obstacles; ++o) y = pushed(k, o, y, start, wall);
-      k.fluid_place[i] = {y.x, y.y, y.z, end.w};
+      Vec3<real> moved = k.spread ? xyz(end) - start : xyz(k.fluid_moved[i]);
+      for (uint o = 0; o < k.obstacles; ++o) moved = moved + pushed(k, o, start, moved, wall);
+      k.fluid_place[i] = {start.x + moved.x, start.y + moved.y, start.z + moved.z, end.w};
+      k.fluid_moved[i] = {moved.x, moved.y, moved.z, k.fluid_moved[i].w};
     }
     k.fluid_wall[i] = wall;
   }

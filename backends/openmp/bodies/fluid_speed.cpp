@@ -8,9 +8,8 @@ namespace pliant::openmp::PLIANT_ISA {
 template <class real> void fluid_speed(const kernels::fluid_speed::View<real>& k) {
 #pragma omp parallel for schedule(static)
   for (uint i = 0; i < k.threads; ++i) {
-    const auto place = k.fluid_place[i];
-    if (!(place.w > 0)) continue;
-    const Vec3<real> moved = xyz(place) - xyz(k.fluid_start[i]);
+    if (!(k.fluid_place[i].w > 0)) continue;
+    const auto moved = k.fluid_moved[i];
     k.fluid_velocity[i] = {moved.x / k.time_step, moved.y / k.time_step, moved.z / k.time_step,
                            k.fluid_velocity[i].w};
   }

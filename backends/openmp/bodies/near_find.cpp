@@ -1,21 +1,35 @@
-// Lists of neighbours; see kernels/near_find.decl.
+// Lists of neighbours; see kernels/near_find.decl. All places of a cell look at the same candidates, which
+// are put together once; lists are made one after another and turned into the slice's columns in registers.
 #include "kernels/near_find.h"
 #include "backends/openmp/body.h"
 #include "backends/openmp/lattice.h"
 #include "backends/openmp/near.h"
+#include "backends/openmp/simd_runs.h"
 
 namespace pliant::openmp::PLIANT_ISA {
 
 namespace {
 
-/// What lies around a cell and may be near one of its places, in the order of cells; the same for all of
-/// them.
+/// What lies around a cell, in the order of cells: the same for all of its places.
 template <class real> struct Around {
-  static constexpr uint room = 1024, nowhere = ~0u;
-  uint cell = nowhere, count = 0; // nowhere: more than there is room for
-  Vec3<real> centre{};            // of the cell, m
-  alignas(64) real x[room + 16], y[room + 16], z[room + 16];
-  uint index[room + 16], near[room + 16]; // near: of one place of the cell
+  static constexpr uint room = 1024 - 16;
+  alignas(4096) real x[room + 16], y[room + 16], z[room + 16];
+  uint index[room + 16];
+  uint begin = 0, end = 0; // of the cell's own places
+  uint count = 0, own = 0; // own: where the first of these stands
+  LatticeCell cell{};
+  Vec3<real> centre{}; // of the cell, m
+
+  bool crowd() const { return count > room; }
+};
+
+/// Lists of a slice's places. A load waits for a store under way to an address that agrees in its low 12
+/// bits; lists therefore begin where Around<float>, which is read while they are written, is seldom in use.
+struct Lists {
+  static constexpr uint room = 2048;
+  alignas(4096) uint unused[448];
+  uint of[16][room + 32];
+  alignas(64) uint length[16];
 };
 
 /// Calls visit(begin, end) for the runs of sorted places in the cells around one.
@@ -41,123 +55,137 @@ PLIANT_INLINE Vec3<real> image(const View& k, const Vec3<real>& centre, const Re
           nearest_image(place.z, centre.z, k.period_z)};
 }
 
-/// How far a coordinate lies outside a box.
-template <class real> PLIANT_INLINE Wide<real> beyond(Wide<real> at, real low, real high) {
-  const Wide<real> below = low - at, above = at - high, most = below > above ? below : above, none{};
-  return most > 0 ? most : none;
-}
-
 template <class View, class real>
-PLIANT_INLINE void look_around(const View& k, LatticeCell cell, uint number, Around<real>& around) {
-  around.cell = number;
-  around.count = 0;
+PLIANT_INLINE void look_around(const View& k, LatticeCell cell, Around<real>& around) {
+  const uint number = lattice_number(k, cell);
+  around.cell = cell;
+  around.begin = k.cell_begin[number];
+  around.end = k.cell_begin[number + 1];
   around.centre = {(static_cast<real>(cell.x) + real(0.5)) / k.per_cell_x,
                    (static_cast<real>(cell.y) + real(0.5)) / k.per_cell_y,
                    (static_cast<real>(cell.z) + real(0.5)) / k.per_cell_z};
-  // The box that the cell's own places fill: what is farther from it is far from each.
-  constexpr real most = real(1e30);
-  Vec3<real> low{most, most, most}, high{-most, -most, -most};
-  for (uint j = k.cell_begin[number]; j < k.cell_begin[number + 1]; ++j) {
-    const Vec3<real> p = image(k, around.centre, k.fluid_place[j]);
-    low = {smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z)};
-    high = {larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z)};
-  }
-  const real enough = real(1.0001) * k.reach * k.reach;
   const bool repeats = k.period_x > 0 || k.period_y > 0 || k.period_z > 0;
-  uint count = 0, all = 0;
+  uint count = 0;
   for_each_run(k, cell, [&](uint begin, uint end) {
-    all += end - begin;
-    if (all > Around<real>::room) return;
-    for (uint j = begin; j < end; j += lanes<real>) {
-      const Part<real> part = make_part<real>(j, end - j);
-      Wide4<real> p = gather(k.fluid_place, part.index);
+    uint at = count;
+    count += end - begin;
+    if (count > Around<real>::room) return;
+    if (around.begin - begin < end - begin) around.own = at + (around.begin - begin);
+    uint j = begin;
+    for (; j < end && j + lanes<real> <= k.places; j += lanes<real>, at += lanes<real>) {
+      Wide4<real> p = gather_run(k.fluid_place + j);
       if (repeats) {
         p.x = nearest_images<real>(p.x, around.centre.x, k.period_x);
         p.y = nearest_images<real>(p.y, around.centre.y, k.period_y);
         p.z = nearest_images<real>(p.z, around.centre.z, k.period_z);
       }
-      const Wide3<real> away{beyond<real>(p.x, low.x, high.x), beyond<real>(p.y, low.y, high.y),
-                             beyond<real>(p.z, low.z, high.z)};
-      const Chosen<real> chosen(bits<real>(dot(away, away) < enough) & ((2u << (part.count - 1)) - 1));
-      chosen.store(around.x + count, p.x);
-      chosen.store(around.y + count, p.y);
-      chosen.store(around.z + count, p.z);
-      chosen.store(around.index + count, load_words<real>(part.index));
-      count += chosen.count();
+      const WideInt<real> index = counted<real>(j);
+      __builtin_memcpy(around.x + at, &p.x,
+                       sizeof p.x); // the next run writes over what is past this one's end
+      __builtin_memcpy(around.y + at, &p.y, sizeof p.y);
+      __builtin_memcpy(around.z + at, &p.z, sizeof p.z);
+      __builtin_memcpy(around.index + at, &index, sizeof index);
+    }
+    for (; j < end; ++j, ++at) { // the last places of all
+      const Vec3<real> p = image(k, around.centre, k.fluid_place[j]);
+      around.x[at] = p.x, around.y[at] = p.y, around.z[at] = p.z;
+      around.index[at] = j;
     }
   });
-  if (all > Around<real>::room) {
-    around.count = Around<real>::nowhere;
-    return;
-  }
   around.count = count;
+  if (around.crowd()) return;
   for (uint pad = count; pad < count + lanes<real>; ++pad)
     around.x[pad] = around.y[pad] = around.z[pad] = real(1e17);
+}
+
+/// Lists what is near place i, one of the cell's own; returns how many.
+template <class real> PLIANT_INLINE uint list_near(Around<real>& around, uint i, real reach2, uint* list) {
+  const uint own = around.own + (i - around.begin);
+  const Wide<real> x = spread(around.x[own]), y = spread(around.y[own]), z = spread(around.z[own]);
+  const real kept = around.x[own];
+  around.x[own] = real(1e17); // nobody is near himself
+  std::size_t found = 0;
+  for (std::size_t at = 0, all = around.count; at < all; at += lanes<real>) {
+    const Wide<real> dx = x - load_wide(around.x + at), dy = y - load_wide(around.y + at),
+                     dz = z - load_wide(around.z + at);
+    const Chosen<real> chosen(bits<real>(dx * dx + dy * dy + dz * dz < reach2));
+    chosen.store(list + found, load_words<real>(around.index + at));
+    found += chosen.count();
+  }
+  around.x[own] = kept;
+  return static_cast<uint>(found);
+}
+
+/// The same without what has been put together. No more than `room` are listed, but all are counted.
+template <class View, class real>
+uint list_one_by_one(const View& k, const Around<real>& around, uint i, uint room, uint* list) {
+  const Vec3<real> p = image(k, around.centre, k.fluid_place[i]);
+  uint found = 0;
+  for_each_run(k, around.cell, [&](uint begin, uint end) {
+    for (uint j = begin; j < end; ++j) {
+      const Vec3<real> d = p - image(k, around.centre, k.fluid_place[j]);
+      if (j == i || !(dot(d, d) < k.reach * k.reach)) continue;
+      if (found < room) list[found] = j;
+      ++found;
+    }
+  });
+  return found;
+}
+
+/// Lists of a slice as columns, `rows` of them; a shorter one ends in its own place.
+PLIANT_INLINE void write_columns(const Lists& lists, uint rows, uint first, uint* to) {
+  using Block = WideInt<float>;
+  constexpr uint wide = lanes<float>;
+  for (uint lane = 0; lane < 16; lane += wide) {
+    const Block self = counted<float>(first + lane), length = load_words<float>(lists.length + lane);
+    const auto turned = [&](uint row, auto put) {
+      Block block[wide];
+      for (uint l = 0; l < wide; ++l) block[l] = load_words<float>(lists.of[lane + l] + row);
+      turn(block);
+      for (uint r = 0; r < wide; ++r) put(r, length > static_cast<std::int32_t>(row + r) ? block[r] : self);
+    };
+    uint row = 0;
+    for (; row + wide <= rows; row += wide)
+      turned(row, [&](uint r, Block value) {
+        __builtin_memcpy(to + 16 * (row + r) + lane, &value, sizeof value);
+      });
+    Block rest[wide];
+    turned(row, [&](uint r, Block value) { rest[r] = value; });
+    for (uint r = 0; row < rows; ++row, ++r) __builtin_memcpy(to + 16 * row + lane, rest + r, sizeof rest[r]);
+  }
 }
 
 } // namespace
 
 template <class real> void near_find(const kernels::near_find::View<real>& k) {
   const real reach2 = k.reach * k.reach;
+  const uint room = smaller(k.rows, Lists::room);
 #pragma omp parallel
   {
     Around<real> around;
+    Lists lists;
 #pragma omp for schedule(static)
     for (uint slice = 0; slice < k.places / 16; ++slice) {
-      uint* const lists = k.near + std::size_t{16} * k.rows * slice;
-      uint length[16], longest = 0;
+      uint longest = 0;
       for (uint lane = 0; lane < 16; ++lane) {
         const uint i = 16 * slice + lane;
-        uint count = 0, lost = 0;
-        const auto list = [&](uint j) {
-          if (count < k.rows)
-            lists[16 * count++ + lane] = j;
-          else
-            ++lost;
-        };
         const auto own = k.fluid_place[i];
-        if (own.w != 0) {
-          const LatticeCell cell = lattice_at(k, xyz(own));
-          const uint number = lattice_number(k, cell);
-          if (number != around.cell) look_around(k, cell, number, around);
-          const Vec3<real> p = image(k, around.centre, own);
-          if (around.count != Around<real>::nowhere) {
-            const Wide<real> x = spread(p.x), y = spread(p.y), z = spread(p.z);
-            uint found = 0;
-            for (uint at = 0; at < around.count; at += lanes<real>) {
-              const Wide<real> dx = x - load_wide(around.x + at), dy = y - load_wide(around.y + at),
-                               dz = z - load_wide(around.z + at);
-              const Chosen<real> chosen(bits<real>(dx * dx + dy * dy + dz * dz < reach2));
-              chosen.store(around.near + found, load_words<real>(around.index + at));
-              found += chosen.count();
-            }
-            if (found <= k.rows) { // no branch but the loop's: the own place is overwritten
-              for (uint at = 0; at < found; ++at) {
-                lists[16 * count + lane] = around.near[at];
-                count += around.near[at] != i;
-              }
-            } else {
-              for (uint at = 0; at < found; ++at)
-                if (around.near[at] != i) list(around.near[at]);
-            }
-          } else { // a crowd
-            for_each_run(k, cell, [&](uint begin, uint end) {
-              for (uint j = begin; j < end; ++j) {
-                const Vec3<real> d = p - image(k, around.centre, k.fluid_place[j]);
-                if (j != i && dot(d, d) < reach2) list(j);
-              }
-            });
-          }
+        uint found = 0;
+        if (own.w > 0) {
+          const auto inside = [&] { return i - around.begin < around.end - around.begin; };
+          if (!inside()) look_around(k, lattice_at(k, xyz(own)), around);
+          // Rounding may have sorted a place that lies between two cells into the other.
+          found = inside() && !around.crowd() ? list_near(around, i, reach2, lists.of[lane])
+                                              : list_one_by_one(k, around, i, room, lists.of[lane]);
         }
-        length[lane] = count;
-        longest = larger(longest, count);
-        if (lost > 0) {
-          __atomic_fetch_add(&k.left_out[0], lost, __ATOMIC_RELAXED);
+        lists.length[lane] = smaller(found, room);
+        longest = larger(longest, lists.length[lane]);
+        if (found > room) {
+          __atomic_fetch_add(&k.left_out[0], found - room, __ATOMIC_RELAXED);
           __atomic_fetch_add(&k.left_out[1], 1u, __ATOMIC_RELAXED);
         }
       }
-      for (uint lane = 0; lane < 16; ++lane)
-        for (uint r = length[lane]; r < longest; ++r) lists[16 * r + lane] = 16 * slice + lane;
+      write_columns(lists, longest, 16 * slice, k.near + std::size_t{16} * k.rows * slice);
       k.near_count[slice] = longest;
     }
   }

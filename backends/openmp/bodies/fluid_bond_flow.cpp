@@ -1,0 +1,59 @@
+// Rest lengths at the end of a step; see kernels/fluid_bond_flow.decl.
+#include "kernels/fluid_bond_flow.h"
+#include "backends/openmp/body.h"
+#include "backends/openmp/fluid_bonds.h"
+
+namespace pliant::openmp::PLIANT_ISA {
+
+// Both particles of a bond compute its length: no rounding may depend on whose list it is.
+template <class real> void fluid_bond_flow(const kernels::fluid_bond_flow::View<real>& k) {
+  const Wide<real> one = Wide<real>{} + 1, least = spread(k.least_rest), largest = spread(k.largest_rest);
+  const Wide<real> least_stretch = spread(real(0.05));
+#pragma omp parallel for schedule(static)
+  for (uint first = 0; first < k.threads; first += lanes<real>) {
+    const Part<real> part = make_part<real>(first, k.threads - first);
+    const Wide4<real> before = gather(k.fluid_before, part.index);
+    Wide4<real> own{}, now{};
+    if (k.plastic) own = gather<2>(k.fluid_flow + 1, part.index);
+    if (k.spread) now = gather(k.fluid_place, part.index);
+    for (uint r = 0; r < k.near_count[first / 16]; ++r) {
+      const std::size_t entry = list_entry(k, part, r);
+      const uint* const others = k.near + entry;
+      const Wide<real> old = load_wide(k.near_rest + entry);
+      const WideMask<real> bonded = old > 0;
+      if (!bits<real>(bonded)) continue;
+      const Wide4<real> there = gather(k.fluid_before, others);
+      const Wide3<real> y = to_others(k, before, there);
+      const Wide<real> size = root_wide<real>(dot(y, y));
+      Wide<real> rest = bonded ? old : one;
+      if (k.plastic) {
+        const Wide4<real> theirs = gather<2>(k.fluid_flow + 1, others);
+        const WideMask<real> ghost = there.w < 0;
+        const Wide4<real> other{
+            ghost ? own.x : theirs.x, ghost ? own.y : theirs.y, ghost ? own.z : theirs.z, {}};
+        const WideMask<real> flows = (own.y < 1) | (own.z < 1) | (other.y < 1) | (other.z < 1);
+        const Wide<real> strain = (size - rest) / rest;
+        const Wide<real> by_own = own.y * own.x + own.z * (strain - own.x);
+        const Wide<real> by_other = other.y * other.x + other.z * (strain - other.x);
+        const Wide<real> stretch = 1 + (by_own + by_other) / 2;
+        const Wide<real> flowed = size / (stretch > least_stretch ? stretch : least_stretch);
+        rest = flows ? flowed : rest;
+      }
+      if (k.spread) {
+        const Wide3<real> y_now = to_others(k, now, gather(k.fluid_place, others));
+        const Wide<real> size_now = root_wide<real>(dot(y_now, y_now));
+        const Wide<real> followed = rest * (size_now / (size > least ? size : one));
+        rest = (size > least) & (size_now != size) ? followed : rest;
+      }
+      rest = rest > least ? rest : least;
+      rest = rest < largest ? rest : largest;
+      rest = bonded ? rest : old;
+      // Lanes beyond the last particle of the part are the next part's.
+      store_reals(k.near_rest + entry, part.count, rest);
+    }
+  }
+}
+
+PLIANT_BODY(fluid_bond_flow)
+
+} // namespace pliant::openmp::PLIANT_ISA
