@@ -181,6 +181,7 @@ struct RunWriter::Impl {
       if (bodies[b].kind == BodyOutput::Kind::particles && blocks[b].count() > 0)
         root.create_view(place + "/id", h5::Type::int32, ids, 0, blocks[b].count());
     }
+    if (!root.has(folder)) root.create_group(folder); // of a frame in which nothing is there yet
     for (VtkHdfBlock& block : blocks) block.append_step(time);
     file.flush();
     for (const VtkHdfBlock& block : blocks)

@@ -191,14 +191,16 @@ void add_emitters(const Scene& scene, Model& model) {
   for (const Emission& one : all) check_place(scene, scene.emitters[one.emitter], one.point);
   check_apart(scene, all);
   const std::uint64_t capacity = capacity_of(scene, model);
-  require_memory(fmt::format("{}{}: the scene may hold {} particles and needs", scene.file.string(),
-                             scene.simulation.capacity_at, capacity),
-                 double(capacity) * bytes_a_particle, available_memory(), model.spacing);
   if (capacity >= UINT32_MAX / 2)
     throw Error(ExitCode::too_large, fmt::format("{}: {} particles are more than 31 bits can count",
                                                  scene.file.string(), capacity));
   const bool leave = may_leave(scene);
   share_out(all, leave ? capacity : capacity - bodies, leave);
+  double room = double(bodies);
+  for (const Emission& one : all) room += double(one.count);
+  require_memory(fmt::format("{}{}: the scene has room for {:.0f} particles and needs", scene.file.string(),
+                             scene.simulation.capacity_at, room),
+                 room * bytes_a_particle, available_memory(), model.spacing);
   for (const Emission& one : all) {
     const Emitter& emitter = scene.emitters[one.emitter];
     BodyModel& body = model.bodies.emplace_back();

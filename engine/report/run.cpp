@@ -429,9 +429,14 @@ ExitCode Run::go() {
   if (const std::size_t removed =
           rows.empty() || !rows.back().fluid ? 0 : std::size_t((*rows.back().fluid)[3]))
     progress.say(fmt::format("{} particles left the domain and were removed", removed));
-  if (!rows.empty() && rows.back().flow)
+  if (!rows.empty() && rows.back().flow) {
+    for (std::size_t e = 0; e < scene_.emitters.size(); ++e)
+      if (simulation_->fluid()->flow()->ended(e))
+        progress.say(fmt::format("emitter '{}' ended after {} particles: the scene was full",
+                                 scene_.emitters[e].name, simulation_->fluid()->flow()->emitted_by(e)));
     progress.say(fmt::format("{} particles were emitted, {} ran into sinks, {} are there",
                              (*rows.back().flow)[0], (*rows.back().flow)[1], (*rows.back().flow)[2]));
+  }
   const auto capped =
       simulation_->plan().fluid ? 0 : std::count_if(rows.begin(), rows.end(), [](const StatisticsRow& row) {
         return row.stopped == "cap";

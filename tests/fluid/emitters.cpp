@@ -243,6 +243,31 @@ TEST(Emitter, HoneyKeepsItsDensity) {
   expect_below("mean |C| inside", error / double(rows), 0.02);
 }
 
+// In a plane scene a nozzle is a line, and what comes out is a metre deep.
+TEST_P(Emitters, LinesInAPlane) {
+  const Scene scene =
+      parsed("[simulation]\nspacing = 0.1\ntime_step = \"1/64\"\ngravity = [0, 0, 0]\ndimension = 2\n"
+             "[output]\nfps = 64\n[materials.water]\nmodel = \"fluid\"\n[[emitter]]\n"
+             "material = \"water\"\nnozzle = { disc = 0.2 }\ndirection = [0.6, 0.8, 0]\nspeed = 2\n"
+             "particles = 30\n");
+  const Model model = assemble(scene);
+  ASSERT_EQ(model.count(), 30u);
+  const auto open = device();
+  Simulation simulation(*open, scene, model);
+  for (int k = 0; k < 32; ++k) simulation.step();
+  const StepStatistics row = simulation.take_statistics().back();
+  EXPECT_EQ(row.emitted, 30u) << "seven layers of 4, and 2 of the last";
+  EXPECT_LT((row.momentum - 30 * 10 * 2 * Vector3(0.6, 0.8, 0)).norm(), 1e-4 * 600);
+  for (const Vector3& p : simulation.positions()) {
+    EXPECT_EQ(p.z(), 0);
+    EXPECT_NEAR(std::abs(std::abs(p.dot(Vector3(-0.8, 0.6, 0))) - 0.1), 0.05, 1e-4);
+  }
+  EXPECT_THAT(complaint("[simulation]\nspacing = 0.1\ndimension = 2\n[materials.water]\nmodel = \"fluid\"\n"
+                        "[[emitter]]\nmaterial = \"water\"\nnozzle = { disc = 0.2 }\ndirection = [0, 1, 1]\n"
+                        "speed = 2\nparticles = 30\n"),
+              HasSubstr("s.toml:9:13: emitter.0 with dimension = 2: everything stays in the plane z = 0"));
+}
+
 // Two that share a capacity get it in the order of births.
 TEST(Emitter, CapacityGoesByBirth) {
   Scene scene = tap("when_full = \"stop\"", "", "0", 70);
