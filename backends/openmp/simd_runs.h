@@ -52,4 +52,21 @@ template <uint apart = 1> PLIANT_INLINE void turn(WideInt<float> (&block)[lanes<
   if constexpr (2 * apart < wide) turn<2 * apart>(block);
 }
 
+/// Stores to whole registers' addresses that leave the caches alone: for what is written once and is more
+/// than these hold. flush_stores() makes them seen.
+PLIANT_INLINE void store_past_caches(uint* to, WideInt<float> value) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  _mm512_stream_si512((__m512i*)to, (__m512i)value);
+#elif defined(__AVX2__)
+  _mm256_stream_si256((__m256i*)to, (__m256i)value);
+#else
+  __builtin_memcpy(to, &value, sizeof value);
+#endif
+}
+PLIANT_INLINE void flush_stores() {
+#if defined(__AVX2__)
+  _mm_sfence();
+#endif
+}
+
 } // namespace pliant::openmp::PLIANT_ISA

@@ -48,9 +48,9 @@ TEST_P(FluidMotion, MomentumIsConserved) {
   for (std::size_t i = 0; i < after.size(); ++i)
     change += stage.model.mass[i] * (after[i] - stage.model.velocity[i]).norm();
   EXPECT_GT(change, 0.2 * weight) << "the blocks did not meet";
-  // A velocity is a difference of places over h: of places up to 0.4 m with 40 steps of 1/400 s.
+  // Shifts of a pair cancel but for the rounding of places, from which both are made, over 40 steps.
   expect_below(GetParam().name + ": momentum lost, of sum m |v|, in roundings",
-               drift.norm() / weight / GetParam().epsilon(), 400);
+               drift.norm() / weight / GetParam().epsilon(), 150);
 }
 
 // What falls freely falls as a stone does, and keeps its shape: nothing inside pulls or pushes.
@@ -66,7 +66,7 @@ TEST_P(FluidMotion, FreeFallIsFree) {
   for (std::size_t i = 0; i < now.size(); ++i)
     worst = std::max(worst, (now[i] - stage.model.position[i] + Vector3(0, fallen, 0)).norm());
   expect_below(GetParam().name + ": away from free fall, in spacings", worst / spacing,
-               GetParam().precision == Precision::double_precision ? 1e-10 : 2e-3);
+               GetParam().precision == Precision::double_precision ? 1e-10 : 5e-5);
 }
 
 TEST_P(FluidMotion, SameBitsForAnyNumberOfThreads) {
@@ -135,7 +135,7 @@ TEST_P(FluidMotion, SidesThatRepeatAreNowhere) {
     }
     EXPECT_GT(moved, 0.05 * spacing);
     expect_below(GetParam().name + ": apart where the sides are elsewhere, in spacings", worst / spacing,
-                 GetParam().precision == Precision::double_precision ? 1e-9 : 2e-3);
+                 GetParam().precision == Precision::double_precision ? 1e-9 : 2e-5);
   }
 }
 
@@ -217,8 +217,8 @@ TEST(FluidDevices, AreAlike) {
     double worst = 0;
     for (std::size_t i = 0; i < ends[0].size(); ++i)
       worst = std::max(worst, (ends.back()[i] - ends[0][i]).norm());
-    // Roundings of places, 6e-8 of 0.4 m, grow in a collision about threefold a step.
-    expect_below(choice.name + " against openmp_float after 6 steps, in spacings", worst / spacing, 4e-4);
+    // Roundings of positions, 6e-8 of 0.4 m, grow in a collision. A fifth of this was seen.
+    expect_below(choice.name + " against openmp_float after 6 steps, in spacings", worst / spacing, 1e-4);
   }
 }
 

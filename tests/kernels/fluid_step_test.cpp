@@ -168,6 +168,37 @@ TEST_P(FluidStep, ObstaclesPushOut) {
   }
 }
 
+// Far from a floor places are where the step began and what has moved since, one by one and many at once.
+TEST_P(FluidStep, FarFromObstaclesNothingIsPushed) {
+  const std::size_t size = 129;
+  Random random(21);
+  Values in{{"obstacles", {1}}, {"radius", {0.0625}}, {"support", {0.25}}, {"share", {0.75}}};
+  in["obstacle"] = std::vector<double>(4 * OBSTACLES * OBSTACLE_ROWS, 0.0);
+  for (int a = 0; a < 3; ++a) in["obstacle"][std::size_t(4 * (OBSTACLE_AXES + a) + a)] = 1;
+  in["obstacle"][4 * OBSTACLE_KIND] = OBSTACLE_PLANE;
+  in["obstacle"][4 * OBSTACLE_CENTRE + 3] = rounded(1e18);
+  in["fluid_start"] = random_groups(random, size, 1);
+  in["fluid_moved"] = random_groups(random, size, 0.25);
+  in["fluid_place"] = in["fluid_wall"] = std::vector<double>(4 * size, sentinel);
+  for (std::size_t i = 0; i < size; ++i) {
+    in["fluid_start"][4 * i + 1] = rounded(2 + in["fluid_start"][4 * i + 1]);
+    in["fluid_place"][4 * i + 3] = i % 5 == 1 ? -1 : 1;
+  }
+  // One in the middle is at the floor: its neighbours, which the processor takes with it, are not.
+  in["fluid_start"][4 * 64 + 1] = 0.0625;
+  in["fluid_moved"][4 * 64 + 1] = 0;
+  Expected place(in["fluid_place"]), wall(in["fluid_wall"]);
+  const Expected moved(in["fluid_moved"]);
+  for (std::size_t i = 0; i < size; ++i)
+    for (std::size_t a = 0; a < 4; ++a) {
+      if (i % 5 != 1 && a < 3)
+        place.set(4 * i + a, in["fluid_start"][4 * i + a] + in["fluid_moved"][4 * i + a], 4);
+      wall.set(4 * i + a, 0, i == 64 ? anything : 0);
+    }
+  expect_kernel<kernels::fluid_project::Args>(
+      GetParam(), size, in, {{"fluid_place", place}, {"fluid_wall", wall}, {"fluid_moved", moved}}, 1);
+}
+
 // Beyond a side that repeats a particle comes in on the other; beyond another it is removed, and stays so.
 TEST_P(FluidStep, DomainsRepeatOrEnd) {
   Values in{{"bounded", {1}},

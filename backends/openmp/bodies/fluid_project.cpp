@@ -2,6 +2,7 @@
 #include "kernels/fluid_project.h"
 #include "backends/openmp/body.h"
 #include "backends/openmp/obstacle.h"
+#include "backends/openmp/simd.h"
 
 namespace pliant::openmp::PLIANT_ISA {
 
@@ -61,21 +62,55 @@ PLIANT_INLINE Vec3<real> pushed(const kernels::fluid_project::View<real>& k, uin
   return held > 0 ? push - (held / slid) * slide : push;
 }
 
+/// Whether an obstacle may be near one of a part's places.
+template <class real>
+PLIANT_INLINE bool may_touch(const kernels::fluid_project::View<real>& k, uint o, const Wide3<real>& y,
+                             WideMask<real> moves) {
+  const auto* rows = k.obstacle + OBSTACLE_ROWS * o;
+  const auto traits = rows[OBSTACLE_KIND], place = rows[OBSTACLE_CENTRE];
+  const Wide3<real> from{y.x - place.x, y.y - place.y, y.z - place.z};
+  WideMask<real> near = dot(from, from) <= place.w * place.w;
+  if (static_cast<int>(traits.x) == OBSTACLE_PLANE) {
+    const auto* axes = rows + OBSTACLE_AXES;
+    const Wide<real> along = from.x * axes[0].y + from.y * axes[1].y + from.z * axes[2].y;
+    near &= (traits.w > 0 ? -along : along) < real(1.001) * k.support; // a little more, for rounding
+  }
+  return bits<real>(near & moves) != 0;
+}
+
 } // namespace
 
 template <class real> void fluid_project(const kernels::fluid_project::View<real>& k) {
 #pragma omp parallel for schedule(static)
-  for (uint i = 0; i < k.threads; ++i) {
-    const auto end = k.fluid_place[i];
-    Real4<real> wall{0, 0, 0, 0};
-    if (end.w > 0) {
-      const Vec3<real> start = xyz(k.fluid_start[i]);
-      Vec3<real> moved = k.spread ? xyz(end) - start : xyz(k.fluid_moved[i]);
-      for (uint o = 0; o < k.obstacles; ++o) moved = moved + pushed(k, o, start, moved, wall);
-      k.fluid_place[i] = {start.x + moved.x, start.y + moved.y, start.z + moved.z, end.w};
-      k.fluid_moved[i] = {moved.x, moved.y, moved.z, k.fluid_moved[i].w};
+  for (uint first = 0; first < k.threads; first += lanes<real>) {
+    // Particles that are sorted next to each other are near each other: most parts are far from everything.
+    const Part<real> part = make_part<real>(first, k.threads - first);
+    const Wide4<real> end = gather(k.fluid_place, part.index), start = gather(k.fluid_start, part.index);
+    Wide4<real> moved = gather(k.fluid_moved, part.index);
+    if (k.spread) moved = {end.x - start.x, end.y - start.y, end.z - start.z, moved.w};
+    const WideMask<real> moves = end.w > 0;
+    const Wide3<real> y{start.x + moved.x, start.y + moved.y, start.z + moved.z};
+    bool touched = false;
+    for (uint o = 0; o < k.obstacles && !touched; ++o) touched = may_touch(k, o, y, moves);
+    if (!touched) {
+      store(k.fluid_place + first, part.count,
+            Wide4<real>{moves ? y.x : end.x, moves ? y.y : end.y, moves ? y.z : end.z, end.w});
+      store(k.fluid_moved + first, part.count, moved);
+      store(k.fluid_wall + first, part.count, Wide4<real>{});
+      continue;
     }
-    k.fluid_wall[i] = wall;
+    for (uint lane = 0; lane < part.count; ++lane) {
+      const uint i = first + lane;
+      Real4<real> wall{0, 0, 0, 0};
+      if (moves[lane]) {
+        const Vec3<real> began{start.x[lane], start.y[lane], start.z[lane]};
+        Vec3<real> since{moved.x[lane], moved.y[lane], moved.z[lane]};
+        for (uint o = 0; o < k.obstacles; ++o) since = since + pushed(k, o, began, since, wall);
+        k.fluid_place[i] = {began.x + since.x, began.y + since.y, began.z + since.z, end.w[lane]};
+        k.fluid_moved[i] = {since.x, since.y, since.z, moved.w[lane]};
+      }
+      k.fluid_wall[i] = wall;
+    }
   }
 }
 

@@ -68,8 +68,9 @@ PLIANT_INLINE void redistribute(const kernels::fluid_redistribute::View<real>& k
     Wide<real> marked = normal.w < 0 ? one : none;
     Wide3<real> mean{normal.x, normal.y, normal.z}, all{}, close{};
     const Wide4<real> newton = form > 0 ? gather(k.fluid_newton, part.index) : Wide4<real>{};
-    for_each_near(k, part, place, [&](const uint* neighbours, const Wide4<real>& d4, WideMask<real> self) {
-      const Wide4<real> there = gather(k.fluid_normal, neighbours);
+    const auto push_apart = [&](const uint* neighbours, const Wide4<real>& d4, WideMask<real> self)
+        __attribute__((always_inline)) {
+      const Wide4<real> there = gather_near(k.fluid_normal, neighbours);
       const Wide3<real> d{d4.x, d4.y, d4.z};
       const Wide<real> far = root_wide<real>(dot(d, d)), q = far * per_support;
       const Wide<real> per_q = 1 / (q + real(1e-18)); // where places coincide the differences vanish
@@ -111,7 +112,8 @@ PLIANT_INLINE void redistribute(const kernels::fluid_redistribute::View<real>& k
         add_scaled<real>(all, by, n);
         if constexpr (form == 0) add_scaled<real>(close, by, n);
       }
-    });
+    };
+    for_each_near(k, part, place, push_apart);
     const WideMask<real> near_surface = marked > 0;
     Wide3<real> shift = all;
     if constexpr (form == 0)

@@ -10,6 +10,9 @@ namespace pliant::openmp::PLIANT_ISA {
 
 namespace {
 
+// So many have lists of some 40 MB. Below, the sweeps that follow find them in the caches.
+constexpr uint many_places = 1u << 18;
+
 /// What lies around a cell, in the order of cells: the same for all of its places.
 template <class real> struct Around {
   static constexpr uint room = 1024 - 16;
@@ -132,26 +135,28 @@ uint list_one_by_one(const View& k, const Around<real>& around, uint i, uint roo
   return found;
 }
 
-/// Lists of a slice as columns, `rows` of them; a shorter one ends in its own place.
-PLIANT_INLINE void write_columns(const Lists& lists, uint rows, uint first, uint* to) {
+/// Lists of a slice as columns, `rows` of them; a shorter one ends in its own place. `many`: caches shall not
+/// keep them.
+PLIANT_INLINE void write_columns(const Lists& lists, uint rows, uint first, bool many, uint* to) {
   using Block = WideInt<float>;
   constexpr uint wide = lanes<float>;
-  for (uint lane = 0; lane < 16; lane += wide) {
-    const Block self = counted<float>(first + lane), length = load_words<float>(lists.length + lane);
-    const auto turned = [&](uint row, auto put) {
+  for (uint row = 0; row < rows; row += wide) {
+    const uint count = smaller(rows - row, wide);
+    for (uint lane = 0; lane < 16; lane += wide) {
+      const Block self = counted<float>(first + lane), length = load_words<float>(lists.length + lane);
       Block block[wide];
       for (uint l = 0; l < wide; ++l) block[l] = load_words<float>(lists.of[lane + l] + row);
       turn(block);
-      for (uint r = 0; r < wide; ++r) put(r, length > static_cast<std::int32_t>(row + r) ? block[r] : self);
-    };
-    uint row = 0;
-    for (; row + wide <= rows; row += wide)
-      turned(row, [&](uint r, Block value) {
-        __builtin_memcpy(to + 16 * (row + r) + lane, &value, sizeof value);
-      });
-    Block rest[wide];
-    turned(row, [&](uint r, Block value) { rest[r] = value; });
-    for (uint r = 0; row < rows; ++row, ++r) __builtin_memcpy(to + 16 * row + lane, rest + r, sizeof rest[r]);
+      for (uint r = 0; r < wide; ++r) {
+        if (r == count) break;
+        const Block value = length > static_cast<std::int32_t>(row + r) ? block[r] : self;
+        uint* const at = to + 16 * (row + r) + lane;
+        if (many)
+          store_past_caches(at, value);
+        else
+          __builtin_memcpy(at, &value, sizeof value);
+      }
+    }
   }
 }
 
@@ -160,6 +165,7 @@ PLIANT_INLINE void write_columns(const Lists& lists, uint rows, uint first, uint
 template <class real> void near_find(const kernels::near_find::View<real>& k) {
   const real reach2 = k.reach * k.reach;
   const uint room = smaller(k.rows, Lists::room);
+  const bool many = k.places > many_places;
 #pragma omp parallel
   {
     Around<real> around;
@@ -185,9 +191,10 @@ template <class real> void near_find(const kernels::near_find::View<real>& k) {
           __atomic_fetch_add(&k.left_out[1], 1u, __ATOMIC_RELAXED);
         }
       }
-      write_columns(lists, longest, 16 * slice, k.near + std::size_t{16} * k.rows * slice);
+      write_columns(lists, longest, 16 * slice, many, k.near + std::size_t{16} * k.rows * slice);
       k.near_count[slice] = longest;
     }
+    flush_stores();
   }
 }
 
