@@ -411,7 +411,8 @@ TEST_P(ViscoelasticDevice, GoesOnFromASavedStateInTheSameBits) {
 TEST(ViscoelasticDevices, AreAlike) {
   std::vector<Points> ends;
   for (const DeviceChoice& choice : device_choices()) {
-    const Stage stage = meeting();
+    Stage stage = meeting();
+    stage.scene.solver.tolerance = 1e-4;
     const auto device = open_alone(choice);
     Simulation simulation(*device, stage.scene, stage.model);
     for (int k = 0; k < 6; ++k) simulation.step();
@@ -419,7 +420,7 @@ TEST(ViscoelasticDevices, AreAlike) {
     double worst = 0;
     for (std::size_t i = 0; i < ends[0].size(); ++i)
       worst = std::max(worst, (ends.back()[i] - ends[0][i]).norm());
-    // A solve ends at a thousandth of its residual, an iteration sooner or later.
+    // A solve ends at 1e-4 of its residual, some iterations sooner or later.
     expect_below(choice.name + " against openmp_float after 6 steps, in spacings", worst / spacing, 1e-2);
   }
 }
