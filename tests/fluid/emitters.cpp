@@ -2,7 +2,7 @@
 #include "engine/solver/guarded_run.h"
 #include "engine/solver/saved_state.h"
 #include "tests/scene/parse.h"
-#include "tests/support/fluids.h"
+#include "tests/support/viscoelastic.h"
 
 #include <fmt/format.h>
 
@@ -180,6 +180,44 @@ TEST_P(Emitters, DevicesAgree) {
   double worst = 0;
   for (std::size_t i = 0; i < one.size(); ++i) worst = std::max(worst, (one[i] - other[i]).norm());
   expect_below("positions apart, spacings", worst / scene.simulation.spacing, 1e-3);
+}
+
+// Clay that flows on its way to a sink, and comes again in the same particles: without the bonds and the
+// plastic strain of those before.
+TEST_P(Emitters, RebornHaveNoPast) {
+  Scene scene = busy();
+  scene.materials[0] = yielding(viscoelastic(2e4, 0.3), 50);
+  scene.materials[0].name = "water";
+  const Model model = assemble(scene);
+  Stage stage(lattice(2, 2, 2, 0.1), 0.1, scene.materials[0], 1. / 64);
+  stage.scene = scene;
+  const auto open = device();
+  Simulation simulation(*open, scene, model);
+  std::vector<double> last(model.count(), 0.0), mass(model.count(), 0.0);
+  std::vector<bool> fresh(model.count(), false); // born at the end of the last step
+  std::size_t reborn = 0, bonds = 0;
+  double before = 0, strain = 0;
+  for (int k = 0; k < 100; ++k) {
+    simulation.step();
+    const std::vector<double> plastic = simulation.plastic_strain();
+    const std::vector<double> there = simulation.snapshot().mass;
+    for (const FluidBond& bond : bonds_of(simulation, stage))
+      if (fresh[bond.i] && fresh[bond.j] && ++bonds > 0)
+        strain = std::max(strain, std::abs(bond.y.norm() / bond.rest - 1));
+    for (std::size_t i = 0; i < there.size(); ++i) {
+      fresh[i] = there[i] > 0 && mass[i] == 0;
+      if (there[i] > 0) last[i] = std::max(last[i], fresh[i] ? 0 : plastic[i]);
+      if (fresh[i] && k > 30 && ++reborn > 0) before = std::max(before, plastic[i]);
+    }
+    mass = there;
+  }
+  EXPECT_GT(reborn, 40u);
+  EXPECT_GT(bonds, 100u);
+  const double past = *std::max_element(last.begin(), last.end());
+  report("largest plastic strain", past);
+  EXPECT_GT(past, 0.1);
+  EXPECT_EQ(before, 0) << "plastic strain of the newly born";
+  expect_below("strain of bonds among the newly born", strain, 0.05);
 }
 
 // The whole capacity, then either the run ends before the step that lacks room, with everything up to there,
