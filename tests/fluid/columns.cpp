@@ -50,8 +50,7 @@ TEST(FluidColumn, StandsStill) {
   expect_below("mean |C|", error, 0.01);
   expect_below("largest C", largest, 0.03);
   // Nothing but collisions slows what has no viscosity: after 5 s 1.4e-5, with 0 to 0.5 of the multipliers
-  // kept, with 5 to 20 sweeps, in single and double precision alike; from then on it falls as time^-3. What
-  // moves is the surface.
+  // kept, with 5 to 20 sweeps; from then on it falls as time^-3. What moves is the surface.
   expect_below("kinetic energy over M g H", kinetic / weight, 2e-5);
   EXPECT_EQ(rows.back().removed, 0u);
 }
