@@ -90,7 +90,7 @@ void measure(const Case& one, const std::string& folder, unsigned threads, int s
     device->finish();
     const double ended = seconds(CLOCK_MONOTONIC), done = seconds(CLOCK_PROCESS_CPUTIME_ID);
     const std::vector<StepStatistics> rows = simulation.take_statistics();
-    if (simulation.plan().fluid_flow) present = rows.back().present;
+    if (simulation.plan().fluid_sources) present = rows.back().present;
     if (k < one.before) continue;
     wall.push_back(1e3 * (ended - began));
     processor.push_back(1e3 * (done - worked));

@@ -1,7 +1,6 @@
 // Energy of law M2 at each particle; see kernels/ordinary_energy.decl.
 #include "kernels/ordinary_energy.h"
 #include "backends/openmp/body.h"
-#include "backends/openmp/bond_wide.h"
 #include "backends/openmp/rest.h"
 
 namespace pliant::openmp::PLIANT_ISA {

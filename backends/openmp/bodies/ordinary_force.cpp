@@ -1,7 +1,6 @@
 // Forces of law M2, gathered; see kernels/ordinary_force.decl.
 #include "kernels/ordinary_force.h"
 #include "backends/openmp/body.h"
-#include "backends/openmp/bond_wide.h"
 #include "backends/openmp/rest.h"
 #include "shaders/common/solver.glsl"
 

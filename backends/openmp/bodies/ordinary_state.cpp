@@ -1,7 +1,6 @@
 // Local step of law M2; see kernels/ordinary_state.decl.
 #include "kernels/ordinary_state.h"
 #include "backends/openmp/body.h"
-#include "backends/openmp/bond_wide.h"
 #include "backends/openmp/rest.h"
 #include "shaders/common/solver.glsl"
 
