@@ -20,10 +20,10 @@ struct Options {
 
 ExitCode verify(Options& options, bool steps_given) {
   VerifyOptions& verify = options.verify;
-  if (options.quick && !steps_given) verify.steps = 2 * verify.every;
   verify.kernels = options.kernels || !options.quick;
   verify.say = notice;
   const Scene scene = read_scene(options.scene.named(options.json), options.scene.overrides);
+  if (options.quick && !steps_given) verify.steps = 2 * stretch_length(verify, scene);
   const VerifyReport report = verify_scene(scene, verify);
   if (options.json.wanted())
     options.json.write(verify_json(report).dump(2));
@@ -46,8 +46,9 @@ void add_verify(CLI::App& program, Action& action) {
           ->capture_default_str()
           ->type_name("N")
           ->check(CLI::Range(1u, 1'000'000u).description(""));
-  command->add_option("--every", options->verify.every, "steps from one restart to the next")
-      ->capture_default_str()
+  command
+      ->add_option("--every", options->verify.every,
+                   "steps from one restart to the next; 10, of fluids 5 unless given")
       ->type_name("N")
       ->check(CLI::Range(1u, 1'000'000u).description(""));
   command

@@ -54,7 +54,7 @@ private:
 class Verification {
 public:
   Verification(const Scene& scene, const VerifyOptions& options)
-      : scene_(scene), options_(options), model_(assemble(scene)) {
+      : scene_(scene), options_(options), every_(stretch_length(options, scene)), model_(assemble(scene)) {
     plain_.statistics = false;
     for (const BodyModel& body : model_.bodies) {
       Vector3 low = Vector3::Constant(1e300), high = -low;
@@ -75,7 +75,7 @@ public:
                              report_.particles, report_.bonds, options_.steps,
                              report_.iterations > 0 ? fmt::format("of {} iterations", report_.iterations)
                                                     : "that are solved",
-                             options_.every));
+                             every_));
     master();
     const std::vector<Fields> on_cpu = contender("openmp float", {"openmp"}, nullptr);
     for (const DeviceListing& listing : list_devices()) {
@@ -106,12 +106,12 @@ private:
     const DeviceRequest request{"openmp", Precision::double_precision};
     const std::unique_ptr<Device> device = open(request);
     Simulation simulation(*device, scene_, model_, plain_);
-    duration_ = options_.every * simulation.time_step();
-    Steps steps(options_, master_name, options_.steps + options_.every);
+    duration_ = every_ * simulation.time_step();
+    Steps steps(options_, master_name, options_.steps + every_);
     std::string hash;
-    for (unsigned first = 0; first < options_.steps; first += options_.every) {
+    for (unsigned first = 0; first < options_.steps; first += every_) {
       Stretch stretch{simulation.snapshot(), {}};
-      for (unsigned k = 0; k < options_.every; ++k) simulation.step(), steps();
+      for (unsigned k = 0; k < every_; ++k) simulation.step(), steps();
       stretch.end = {simulation.positions(), simulation.velocities()};
       if (first == 0) hash = simulation.hash();
       stretches_.push_back(std::move(stretch));
@@ -126,23 +126,23 @@ private:
                                 const std::vector<Fields>* on_cpu) {
     const std::unique_ptr<Device> device = open(request);
     Simulation simulation(*device, scene_, model_, plain_);
-    Steps steps(options_, name, 2 * options_.steps + options_.every);
+    Steps steps(options_, name, 2 * options_.steps + every_);
     std::string hash;
     for (unsigned k = 1; k <= options_.steps; ++k) {
       simulation.step(), steps();
-      if (k == options_.every) hash = simulation.hash();
+      if (k == every_) hash = simulation.hash();
     }
     VerifyReport::Pair unbroken{master_name, name, options_.steps, 1, {}};
     add(unbroken, stretches_.back().end, {simulation.positions(), simulation.velocities()},
         stretches_.back());
     report_.unbroken.push_back(std::move(unbroken));
 
-    VerifyReport::Pair with_master{master_name, name, options_.every, 0, {}};
-    VerifyReport::Pair with_cpu{"openmp float", name, options_.every, 0, {}};
+    VerifyReport::Pair with_master{master_name, name, every_, 0, {}};
+    VerifyReport::Pair with_cpu{"openmp float", name, every_, 0, {}};
     std::vector<Fields> ends;
     for (const Stretch& stretch : stretches_) {
       simulation.restore(stretch.start);
-      for (unsigned k = 0; k < options_.every; ++k) simulation.step(), steps();
+      for (unsigned k = 0; k < every_; ++k) simulation.step(), steps();
       ends.push_back({simulation.positions(), simulation.velocities()});
       add(with_master, stretch.end, ends.back(), stretch), ++with_master.stretches;
       if (on_cpu) add(with_cpu, (*on_cpu)[ends.size() - 1], ends.back(), stretch), ++with_cpu.stretches;
@@ -158,7 +158,7 @@ private:
   std::string short_run(const DeviceRequest& request, Steps* steps = nullptr) const {
     const std::unique_ptr<Device> device = open(request);
     Simulation simulation(*device, scene_, model_, plain_);
-    for (unsigned k = 0; k < options_.every; ++k) {
+    for (unsigned k = 0; k < every_; ++k) {
       simulation.step();
       if (steps) (*steps)();
     }
@@ -218,6 +218,7 @@ private:
   static constexpr const char* master_name = "openmp double";
   const Scene& scene_;
   const VerifyOptions& options_;
+  unsigned every_; ///< steps of a stretch
   Model model_;
   PlanRequest plain_;
   std::vector<double> sizes_; ///< m; diagonal of each body's box at rest
@@ -227,6 +228,10 @@ private:
 };
 
 } // namespace
+
+unsigned stretch_length(const VerifyOptions& options, const Scene& scene) {
+  return options.every > 0 ? options.every : scene.flows() ? 5 : 10;
+}
 
 bool VerifyReport::Pair::within() const {
   return std::all_of(fields.begin(), fields.end(),

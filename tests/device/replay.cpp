@@ -1,5 +1,6 @@
 // The replay device finds a planted mismatch and says where it is.
 #include "engine/device/replay.h"
+#include "kernels/grid_place.h"
 #include "kernels/predict.h"
 #include "tests/support/devices.h"
 
@@ -34,6 +35,14 @@ public:
   void dispatch(const KernelInfo& kernel, const void* args) override {
     device_->dispatch(kernel, args);
     if (++dispatched_ != faulty_) return;
+    if (kernel.name == std::string_view("grid_place")) { // the first two change places, or one is lost
+      const auto& place = *static_cast<const kernels::grid_place::Args*>(args);
+      std::vector<std::uint32_t> placed = device_->download_uint(place.placed);
+      std::swap(placed[0], placed[1]);
+      if (fault_ != 0) placed[0] = placed[1];
+      device_->upload(place.placed, placed);
+      return;
+    }
     const auto& predict = *static_cast<const kernels::predict::Args*>(args);
     auto values = device_->download_real4(predict.displacement);
     values[5].z += fault_;
@@ -77,6 +86,16 @@ void run_predict(Device& device) {
   EXPECT_EQ(device.download_real4(buffers[3])[1].z, 1.5);
 }
 
+// Six particles in two cells.
+void run_place(Device& device) {
+  const Buffer cell = device.allocate("cell_of", Type::uint, 6),
+               next = device.allocate("next", Type::uint, 2),
+               placed = device.allocate("placed", Type::uint, 6);
+  device.upload(cell, std::vector<std::uint32_t>{0, 1, 0, 1, 0, 1});
+  device.upload(next, std::vector<std::uint32_t>{0, 3});
+  device.run(kernels::grid_place::Args{.threads = 6, .cell_of = cell, .cell_next = next, .placed = placed});
+}
+
 class Replay : public testing::TestWithParam<DeviceChoice> {};
 
 TEST_P(Replay, AgreesWithAnHonestReference) {
@@ -101,6 +120,17 @@ TEST_P(Replay, StopsAtAPlantedMismatch) {
       for (const char* part : {"dispatch 2", "'predict'", "'displacement'", "element 5.z", "1.5"})
         EXPECT_NE(text.find(part), std::string::npos) << part << " is not in: " << text;
     }
+  }
+}
+
+TEST_P(Replay, AKernelThatLeavesTheOrderOpenIsHeldToItsNumbers) {
+  for (const double fault : {0., 1.}) {
+    const auto device = make_replay_device(
+        GetParam().open(), std::make_unique<FaultyDevice>(Precision::double_precision, 1, fault));
+    if (fault == 0)
+      run_place(*device);
+    else
+      EXPECT_THROW(run_place(*device), Error);
   }
 }
 
