@@ -253,11 +253,12 @@ bool VerifyReport::good() const {
 }
 
 VerifyReport verify_scene(Scene scene, const VerifyOptions& options) {
-  if (options.every == 0 || options.steps == 0 || options.steps % options.every != 0)
+  const unsigned every = stretch_length(options, scene);
+  if (options.steps == 0 || options.steps % every != 0)
     throw Error(ExitCode::usage,
                 fmt::format("{} steps are no whole number of stretches of {}: choose --steps as a multiple "
                             "of --every",
-                            options.steps, options.every));
+                            options.steps, every));
   std::string& method = scene.solver.method;
   if (method == "auto") method = "chebyshev"; // sweeps without a decision between them
   scene.solver.fixed_iterations = method != "newton" && method != "lbfgs" && method != "direct";

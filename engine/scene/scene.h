@@ -182,7 +182,7 @@ struct Emitter {
   double speed = 0;                               ///< m/s
   double start = 0, stop = 1e300;                 ///< s
   std::optional<unsigned> particles;              ///< at most
-  bool stops = false; ///< where the scene is full it ends; otherwise the run does
+  bool stops = false;                             ///< where the scene is full it ends; otherwise the run does
   std::optional<Vector3> color;
   std::string typed_at; ///< ":line:column" of the nozzle
 };
@@ -195,16 +195,16 @@ struct Sink {
 };
 
 struct SimulationSettings {
-  double spacing = 0;              ///< m, between particles; required
-  double horizon = 1.87;           ///< in spacings
-  double time_step = 1.0 / 60;     ///< s
-  double end = 1;                  ///< s
-  Vector3 gravity = {0, -9.81, 0}; ///< m/s2
-  std::string weights = "matched"; ///< "matched" (m2 or m4 as the law needs) or "normalised"
-  double weight_exponent = -0.7;   ///< base influence r^p
-  std::string influence = "power"; ///< of base weights; see Influence of model.h
-  unsigned dimension = 3;          ///< 2: everything lies and moves in the plane z = 0
-  std::string plane = "strain";    ///< dimension 2: what is zero across the plane, "strain" or "stress"
+  double spacing = 0;               ///< m, between particles; required
+  double horizon = 1.87;            ///< in spacings
+  double time_step = 1.0 / 60;      ///< s
+  double end = 1;                   ///< s
+  Vector3 gravity = {0, -9.81, 0};  ///< m/s2
+  std::string weights = "matched";  ///< "matched" (m2 or m4 as the law needs) or "normalised"
+  double weight_exponent = -0.7;    ///< base influence r^p
+  std::string influence = "power";  ///< of base weights; see Influence of model.h
+  unsigned dimension = 3;           ///< 2: everything lies and moves in the plane z = 0
+  std::string plane = "strain";     ///< dimension 2: what is zero across the plane, "strain" or "stress"
   std::optional<unsigned> capacity; ///< particles that there may be at once, with emitters
   std::string capacity_at;          ///< ":line:column" of it
 };

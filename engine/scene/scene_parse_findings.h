@@ -54,8 +54,7 @@ void check_directions(const TomlValue& value, Anisotropy& anisotropy, const std:
 void check_plastic(const TomlValue& value, Material& material, const std::string& path, Findings& findings);
 void check_plastic_bodies(const TomlValue& document, const Scene& scene, Findings& findings);
 /// Of fluids: a material's, and those of bodies, of the domain and of settings that go with them.
-void check_fluid(const TomlValue& value, Material& material, const std::string& path,
-                 Findings& findings);
+void check_fluid(const TomlValue& value, Material& material, const std::string& path, Findings& findings);
 void check_fluids(const TomlValue& document, const Scene& scene, Findings& findings);
 /// Of emitters and sinks, and what they need of the scene.
 void check_emitter(const TomlValue& value, Emitter& emitter, const std::string& path, Findings& findings);

@@ -59,9 +59,9 @@ struct StepStatistics {
   double largest_density_error = 0; ///< largest C
   double density_slope = 0;         ///< sum of |grad rho|^2, (kg/m^(d+1))^2
   unsigned viscosity_iterations = 0;
-  double viscosity_residual = 0; ///< relative
-  double unevenness = 0;         ///< mean (support |grad rho| / rho)^2 inside, before the last sweep
-  std::size_t removed = 0;       ///< particles that left the domain so far
+  double viscosity_residual = 0;     ///< relative
+  double unevenness = 0;             ///< mean (support |grad rho| / rho)^2 inside, before the last sweep
+  std::size_t removed = 0;           ///< particles that left the domain so far
   std::size_t emitted = 0, sunk = 0; ///< particles of fluids so far, where there are emitters or sinks
   std::size_t present = 0;           ///< of fluids, now
   std::size_t neighbours_dropped = 0, lists_full = 0; ///< in this step: neighbours without room in a list
@@ -81,8 +81,8 @@ struct Snapshot {
     std::vector<std::uint32_t> near_count, near, near_place_of;
     std::vector<double> near_rest;
     std::vector<Real4<double>> fluid_flow;
-  } bonds; ///< of fluids, as on the device; else empty
-  std::vector<std::uint32_t> emitter_count, sunk;       ///< with it, where there are emitters and sinks
+  } bonds;                                        ///< of fluids, as on the device; else empty
+  std::vector<std::uint32_t> emitter_count, sunk; ///< with it, where there are emitters and sinks
 };
 
 class Simulation {

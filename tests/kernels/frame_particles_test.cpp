@@ -65,8 +65,7 @@ TEST_P(FrameParticles, GoneIsNowhere) {
   for (std::size_t i = 0; i < 33; ++i) in["position"][4 * i + 3] = i % 3 == 1 ? 0 : 1;
   const Values out = run_kernel<kernels::frame_particles::Args>(OpenDevices::of(GetParam()), 33, in);
   for (std::size_t i = 0; i < 33; ++i)
-    for (std::size_t c = 0; c < 4; ++c)
-      EXPECT_EQ(std::isinf(out.at("particle")[4 * i + c]), i % 3 == 1) << i;
+    for (std::size_t c = 0; c < 4; ++c) EXPECT_EQ(std::isinf(out.at("particle")[4 * i + c]), i % 3 == 1) << i;
 }
 
 } // namespace
