@@ -87,8 +87,10 @@ template <class real> void fluid_project(const kernels::fluid_project::View<real
     const Part<real> part = make_part<real>(first, k.threads - first);
     const Wide4<real> end = gather(k.fluid_place, part.index), start = gather(k.fluid_start, part.index);
     Wide4<real> moved = gather(k.fluid_moved, part.index);
-    if (k.spread) moved = {end.x - start.x, end.y - start.y, end.z - start.z, moved.w};
     const WideMask<real> moves = end.w > 0;
+    if (k.spread)
+      moved = {moves ? end.x - start.x : moved.x, moves ? end.y - start.y : moved.y,
+               moves ? end.z - start.z : moved.z, moved.w};
     const Wide3<real> y{start.x + moved.x, start.y + moved.y, start.z + moved.z};
     bool touched = false;
     for (uint o = 0; o < k.obstacles && !touched; ++o) touched = may_touch(k, o, y, moves);
