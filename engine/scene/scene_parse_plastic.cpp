@@ -25,9 +25,10 @@ void check_plastic(const TomlValue& value, Material& material, const std::string
       findings.add(
           breaks->key_where,
           fmt::format("{}.{}: a material cannot both flow and break; leave this or plastic out", path, key));
-  if (plastic->kind == TomlValue::Kind::table && plastic->find("cohesion") &&
-      material.plastic.cohesion == 0 && material.plastic.friction == 0)
-    findings.add(plastic->find("cohesion")->where,
+  const TomlValue* const cohesion =
+      plastic->kind == TomlValue::Kind::table ? plastic->find("cohesion") : nullptr;
+  if (cohesion && cohesion->is_number() && cohesion->number == 0 && material.plastic.friction == 0)
+    findings.add(cohesion->where,
                  fmt::format("{}.plastic.cohesion = 0 without friction bears nothing: give a cohesion above "
                              "0 Pa or a friction above 0 degrees",
                              path));
