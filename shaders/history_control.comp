@@ -105,7 +105,9 @@ void main() {
 #endif
   solver[SOLVER_LINEAR] = 0.0;
   if (energy_tolerance > 0.0 && solver[SOLVER_FALL] > 0.0) {
-    float left = 4.0 * max(0.5 * solver[SOLVER_SLOPE], solver[SOLVER_LEFT]);
+    float forgotten = clamp(16.0 / max(solver[SOLVER_COUNT] - 1.0, 1.0), 0.25, 1.0);
+    float left = max(2.5 * max(0.5 * solver[SOLVER_SLOPE], solver[SOLVER_LEFT]), (1.0 - forgotten) * solver[SOLVER_EXPECTED]);
+    solver[SOLVER_EXPECTED] = left;
     float error = left / (solver[SOLVER_FALL] + left);
     solver[SOLVER_ENERGY_ERROR] = error;
     if (error <= energy_tolerance) {

@@ -48,6 +48,7 @@ void main() {
     solver[SOLVER_LAST_FALL] = 0.0;
     solver[SOLVER_LEFT] = 0.0;
     solver[SOLVER_GAIN] = 0.0;
+    solver[SOLVER_EXPECTED] = 0.0;
 #endif
   }
   solver[SOLVER_COUNT] += 1.0;

@@ -177,7 +177,10 @@ CheckReport check_scene(Scene scene, Device& device) {
   report.solver =
       method.name + (method.preconditioner.empty() ? "" : ", " + method.preconditioner + " preconditioner");
   if (!method.reason.empty()) report.solver += " (auto: " + method.reason + ")";
-  report.predicted_iterations = expected_iterations(method, scene.solver.tolerance);
+  // An energy goes with the square of a residual.
+  const double tolerance =
+      method.energy_tolerance > 0 ? std::sqrt(method.energy_tolerance) : scene.solver.tolerance;
+  report.predicted_iterations = expected_iterations(method, tolerance);
   report.largest_move = largest_move(scene, model, report.time_step);
   report.backend = device.info().backend;
   report.device = device.info().name;

@@ -1,6 +1,7 @@
 // The relative energy error of Xu et al. (2018), Eq. 25: that solves which end by it are as close to the
 // converged step as they say, that the potential never rises on the way, and that every method ends at the
 // same place, for every law.
+#include "engine/plan/method.h"
 #include "tests/laws/materials.h"
 
 namespace pliant::test {
@@ -160,6 +161,24 @@ TEST(EnergyMethods, EndAtTheSamePlace) {
                    largest_difference(simulation.iterate_positions(), judge.answer()) / spacing, 1e-6);
     }
   }
+}
+
+TEST(EnergyMethods, AutoLeavesCoarseLevelsToStiffScenesAndToLawsWhoseStiffnessStays) {
+  const auto chosen = [](const Material& material) {
+    Stage stage = bar(material);
+    stage.scene.solver.method = "auto";
+    stage.scene.solver.energy_tolerance = 1e-4;
+    return choose_method(stage.scene, stage.model);
+  };
+  const Method soft = chosen(basis_of(5e6, 0.25, {{"A4", 1}}, {{"A4", 1}}));
+  EXPECT_GT(soft.stiffness_number, 50);
+  EXPECT_LT(soft.stiffness_number, 1e5);
+  EXPECT_EQ(soft.name, "lbfgs");
+  EXPECT_EQ(soft.preconditioner, "diagonal");
+  const Method stiff = chosen(basis_of(5e10, 0.25, {{"A4", 1}}, {{"A4", 1}}));
+  EXPECT_GT(stiff.stiffness_number, 1e5);
+  EXPECT_EQ(stiff.preconditioner, "multilevel");
+  EXPECT_EQ(chosen(material_of("corotated", 5e6, 0.25)).preconditioner, "multilevel");
 }
 
 INSTANTIATE_TEST_SUITE_P(Energy, EnergyError, testing::ValuesIn(device_choices()), ChoiceName());

@@ -93,7 +93,11 @@ template <class real> void history_control(const kernels::history_control::View<
   }
   solver[SOLVER_LINEAR] = 0;
   if (k.energy_tolerance > 0 && solver[SOLVER_FALL] > 0) {
-    const real left = 4 * larger(solver[SOLVER_SLOPE] / 2, solver[SOLVER_LEFT]);
+    const real forgotten =
+        smaller(real(1), larger(real(0.25), 16 / larger(solver[SOLVER_COUNT] - 1, real(1))));
+    const real left = larger(real(2.5) * larger(solver[SOLVER_SLOPE] / 2, solver[SOLVER_LEFT]),
+                             (1 - forgotten) * solver[SOLVER_EXPECTED]);
+    solver[SOLVER_EXPECTED] = left;
     solver[SOLVER_ENERGY_ERROR] = left / (solver[SOLVER_FALL] + left);
     if (solver[SOLVER_ENERGY_ERROR] <= k.energy_tolerance) {
       solver[SOLVER_STOP] = 1;

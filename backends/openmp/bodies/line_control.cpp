@@ -37,6 +37,7 @@ template <class real> void line_control(const kernels::line_control::View<real>&
       solver[SOLVER_RISES] = 0;
       solver[SOLVER_ENERGY_ERROR] = 1;
       solver[SOLVER_FALL] = solver[SOLVER_LAST_FALL] = solver[SOLVER_LEFT] = solver[SOLVER_GAIN] = 0;
+      solver[SOLVER_EXPECTED] = 0;
     }
   }
   solver[SOLVER_COUNT] += 1;
