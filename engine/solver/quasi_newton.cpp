@@ -21,8 +21,11 @@ QuasiNewton::QuasiNewton(const SolveContext& context)
     : GlobalStep(context), line_(context), preconditioner_(make_preconditioner(context)),
       remembers_(context.plan.method.name == "lbfgs"),
       follows_(context.plan.method.preconditioner == "multilevel"),
-      // A bound of the law at rest is up to five times what transverse motions meet.
-      largest_scale_(context.plan.method.preconditioner == "direct" ? 20 : 2),
+      // A bound of the law at rest is up to five times what transverse motions meet,
+      // of which coarse levels leave little.
+      largest_scale_(context.plan.method.preconditioner == "direct"       ? 20
+                     : context.plan.method.preconditioner == "multilevel" ? 2
+                                                                          : 5),
       // The sum of coarse and fine corrections goes about three times too far.
       first_length_(context.plan.method.preconditioner == "multilevel" ? 0.3 : 1.0) {}
 
