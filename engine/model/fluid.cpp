@@ -64,9 +64,9 @@ FluidLattice lattice_of(const Scene& scene, const Model& model, double reach, st
     high = high.cwiseMax(p);
   }
   const DomainSettings& domain = scene.domain;
-  // In the middle of the fluid: a place so many spacings away loses as many times a spacing's rounding, and so
-  // does every distance between neighbours. Snapped, so that moving a scene by a round distance moves no bit
-  // of it.
+  // In the middle of the fluid: a place so many spacings away loses as many times a spacing's rounding, and
+  // so does every distance between neighbours. Snapped, so that moving a scene by a round distance moves no
+  // bit of it.
   const double grain = std::exp2(std::ceil(std::log2(model.spacing)));
   lattice.base = ((low + high) / (2 * grain)).array().round() * grain;
   const double cell = cell_slack * reach;

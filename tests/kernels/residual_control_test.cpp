@@ -210,10 +210,10 @@ TEST_P(ResidualControl, AnotherSetOfContacts) {
 // What momentum predicts may be absurd: standing still is evaluated next, and the smaller of both is the
 // start.
 TEST_P(ResidualControl, SecondGuess) {
-  const Changes fresh{{SOLVER_RESTARTS, 0}, {SOLVER_DELAY, 7},      {SOLVER_GAMMA, 0.875},
-                      {SOLVER_FIRST, 512},  {SOLVER_BEST, 512},     {SOLVER_CURRENT, 512},
-                      {SOLVER_TRIAL, 1},    {SOLVER_ACTION, 3},     {SOLVER_START, 1},
-                      {SOLVER_TOUCHED, 0.375},  {SOLVER_ITERATIONS, 0}, {SOLVER_ONE_MINUS_RHO, 0.03125}};
+  const Changes fresh{{SOLVER_RESTARTS, 0},    {SOLVER_DELAY, 7},      {SOLVER_GAMMA, 0.875},
+                      {SOLVER_FIRST, 512},     {SOLVER_BEST, 512},     {SOLVER_CURRENT, 512},
+                      {SOLVER_TRIAL, 1},       {SOLVER_ACTION, 3},     {SOLVER_START, 1},
+                      {SOLVER_TOUCHED, 0.375}, {SOLVER_ITERATIONS, 0}, {SOLVER_ONE_MINUS_RHO, 0.03125}};
   const Case absurd{.iteration = 0, .restart = 1, .residual = 512, .momentum = 32, .moved = 4, .mark = 0.375};
   Case one = absurd;
   one.after = fresh;
@@ -255,9 +255,11 @@ TEST_P(ResidualControl, ContactsThatComeAndGo) {
                          {SOLVER_ITERATIONS, 16},
                          {SOLVER_TOUCHED, 0.375},
                          {SOLVER_START, 17}}});
-  expect_case(
-      GetParam(), "the same set",
-      {.residual = 2.5, .mark = 0.375, .before = {{SOLVER_TOUCHED, 0.375}}, .after = {{SOLVER_CURRENT, 2.5}}});
+  expect_case(GetParam(), "the same set",
+              {.residual = 2.5,
+               .mark = 0.375,
+               .before = {{SOLVER_TOUCHED, 0.375}},
+               .after = {{SOLVER_CURRENT, 2.5}}});
 }
 
 // A mark is the same to the last bit on every device, however many touch: one that depended on the order of
@@ -287,7 +289,8 @@ TEST_P(ResidualControl, MarksAreExactWhateverTheOrder) {
                                                                     {"second_guess", {0}},
                                                                     {"residual_partial", partial},
                                                                     {"solver", solver}});
-    EXPECT_EQ(out.at("solver")[SOLVER_TOUCHED], TOUCHED_UNIT * static_cast<double>(mark % (1u << 23))) << count;
+    EXPECT_EQ(out.at("solver")[SOLVER_TOUCHED], TOUCHED_UNIT * static_cast<double>(mark % (1u << 23)))
+        << count;
   }
 }
 

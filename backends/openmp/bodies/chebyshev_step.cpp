@@ -51,7 +51,8 @@ template <class real> void chebyshev_step(const kernels::chebyshev_step::View<re
         error += inverse_diagonal * (r * r);
         momentum += inverse_diagonal * (impulse * impulse);
         moved += (inertia + f[3]) * (u * u);
-        if (k.contacts && k.touched[i]) mark += real(TOUCHED_UNIT) * static_cast<real>(1 + ((i * 2654435761u) >> 16));
+        if (k.contacts && k.touched[i])
+          mark += real(TOUCHED_UNIT) * static_cast<real>(1 + ((i * 2654435761u) >> 16));
       }
       store_quad(k.earlier_iterate[i], u_next * no_w);
     }
