@@ -1,5 +1,6 @@
 // One accelerated Jacobi iteration; see kernels/chebyshev_step.decl.
 #include "common/solver.glsl"
+#include "common/touched.glsl"
 
 #if checked
 shared vec4 group_sum[128];
@@ -37,7 +38,7 @@ void main() {
       sums.xyz = vec3(dot(r, r) / diagonal, target.w * target.w * dot(target.xyz, target.xyz) / diagonal,
                       diagonal * dot(u, u));
 #if contacts
-      if (touched[i] != 0u) sums.w = 1.0 + float((i * 2654435761u) >> 16) / 65536.0;
+      if (touched[i] != 0u) sums.w = TOUCHED_UNIT * float(1u + ((i * 2654435761u) >> 16));
 #endif
 #endif
     }

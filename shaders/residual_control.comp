@@ -3,14 +3,21 @@
 
 shared vec4 group_sum[256];
 
+// Marks modulo 1: see common/touched.glsl.
+vec4 summed(vec4 a, vec4 b) {
+  vec4 sum = a + b;
+  if (sum.w >= 1.0) sum.w -= 1.0;
+  return sum;
+}
+
 void main() {
   uint lane = gl_LocalInvocationIndex;
   vec4 sums = vec4(0.0);
-  for (uint k = lane; k < partial_count; k += 256) sums += residual_partial[k];
+  for (uint k = lane; k < partial_count; k += 256) sums = summed(sums, residual_partial[k]);
   group_sum[lane] = sums;
   barrier();
   for (uint half_width = 128; half_width > 0; half_width /= 2) {
-    if (lane < half_width) group_sum[lane] += group_sum[lane + half_width];
+    if (lane < half_width) group_sum[lane] = summed(group_sum[lane], group_sum[lane + half_width]);
     barrier();
   }
   if (lane != 0) return;

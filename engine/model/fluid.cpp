@@ -64,12 +64,11 @@ FluidLattice lattice_of(const Scene& scene, const Model& model, double reach, st
     high = high.cwiseMax(p);
   }
   const DomainSettings& domain = scene.domain;
-  lattice.base = domain.given ? domain.low : low;
-  // Snapped, so that moving a scene by a round distance moves no bit of it.
-  if (!domain.given) {
-    const double grain = std::exp2(std::ceil(std::log2(model.spacing)) + 6);
-    lattice.base = (low / grain).array().floor() * grain;
-  }
+  // In the middle of the fluid: a place so many spacings away loses as many times a spacing's rounding, and
+  // so does every distance between neighbours. Snapped, so that moving a scene by a round distance moves no
+  // bit of it.
+  const double grain = std::exp2(std::ceil(std::log2(model.spacing)));
+  lattice.base = ((low + high) / (2 * grain)).array().round() * grain;
   const double cell = cell_slack * reach;
   std::array<double, 3> wanted{};
   // Of what emitters make nobody knows where it goes: a cube of cells for all of it.
@@ -78,6 +77,7 @@ FluidLattice lattice_of(const Scene& scene, const Model& model, double reach, st
     const bool repeats = domain.given && domain.periodic[static_cast<std::size_t>(a)];
     lattice.edge[a] = cell;
     if (repeats) {
+      lattice.base[a] = domain.low[a]; // images are those of places from 0 to the period
       lattice.period[a] = domain.high[a] - domain.low[a];
       const double cells = std::floor(lattice.period[a] / cell);
       if (cells < 3)

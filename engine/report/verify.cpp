@@ -2,6 +2,7 @@
 #include "engine/report/verify.h"
 
 #include "engine/core/error.h"
+#include "engine/device/replay.h"
 #include "engine/solver/simulation.h"
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <random>
 #include <set>
 
 namespace pliant {
@@ -22,7 +24,8 @@ struct Fields {
 };
 struct Stretch {
   Snapshot start;
-  Fields end; ///< of the master
+  unsigned steps = 0; ///< that it is judged after
+  Fields end;         ///< of the master, then
 };
 
 /// Prints how far a device is, at most every few seconds.
@@ -104,20 +107,55 @@ private:
 
   void master() {
     const DeviceRequest request{"openmp", Precision::double_precision};
-    const std::unique_ptr<Device> device = open(request);
+    const std::unique_ptr<Device> device = open(request), second = scene_.flows() ? open(request) : nullptr;
     Simulation simulation(*device, scene_, model_, plain_);
+    std::unique_ptr<Simulation> rounded;
+    if (second) rounded = std::make_unique<Simulation>(*second, scene_, model_, plain_);
     duration_ = every_ * simulation.time_step();
-    Steps steps(options_, master_name, options_.steps + every_);
+    Steps steps(options_, master_name, (rounded ? 2 : 1) * options_.steps + every_);
     std::string hash;
     for (unsigned first = 0; first < options_.steps; first += every_) {
-      Stretch stretch{simulation.snapshot(), {}};
-      for (unsigned k = 0; k < every_; ++k) simulation.step(), steps();
-      stretch.end = {simulation.positions(), simulation.velocities()};
+      Stretch stretch{simulation.snapshot(), every_, {}};
+      std::vector<Fields> path; // of a stretch that may end before its last step
+      for (unsigned k = 0; k < every_; ++k) {
+        simulation.step(), steps();
+        if (rounded || k + 1 == every_) path.push_back(fields(simulation));
+      }
+      stretch.end = end_ = path.back();
+      if (rounded) shorten(stretch, path, *rounded, steps);
       if (first == 0) hash = simulation.hash();
       stretches_.push_back(std::move(stretch));
     }
     report_.run_to_run.push_back({master_name, hash, short_run(request, &steps)});
     steps.end();
+  }
+
+  static Fields fields(Simulation& simulation) { return {simulation.positions(), simulation.velocities()}; }
+
+  /// Lets a stretch end where the matter itself makes too much of a rounding of its start.
+  void shorten(Stretch& stretch, const std::vector<Fields>& path, Simulation& rounded, Steps& steps) {
+    Snapshot start = stretch.start;
+    for (std::size_t i = 0; i < start.position.size(); ++i) {
+      const auto off = [&] { // of a number the size of half the body: -1 to 1 roundings of it
+        return 0x1p-25 * sizes_[model_.body[i]] * (0x1p-52 * static_cast<double>(random_() >> 11) - 1);
+      };
+      for (int a = 0; a < (model_.dimension == 2 ? 2 : 3); ++a) start.position[i][a] += off();
+    }
+    rounded.restore(start);
+    std::vector<double> growth;
+    for (const Fields& master : path) {
+      rounded.step(), steps();
+      VerifyReport::Pair pair;
+      add(pair, master, fields(rounded), stretch);
+      growth.push_back(std::max(pair.fields[0].max_relative, pair.fields[1].max_relative));
+    }
+    stretch.steps = judged_steps(growth);
+    stretch.end = path[stretch.steps - 1];
+    VerifyReport::Stretches& all = report_.stretches;
+    all.shortest = all.count > 0 ? std::min(all.shortest, stretch.steps) : stretch.steps;
+    ++all.count;
+    if (stretch.steps < every_) ++all.shortened;
+    all.growth = std::max(all.growth, growth.back());
   }
 
   /// Returns the fields at the end of each stretch. `on_cpu`: those of the CPU in the same precision, to be
@@ -133,8 +171,7 @@ private:
       if (k == every_) hash = simulation.hash();
     }
     VerifyReport::Pair unbroken{master_name, name, options_.steps, 1, {}};
-    add(unbroken, stretches_.back().end, {simulation.positions(), simulation.velocities()},
-        stretches_.back());
+    add(unbroken, end_, fields(simulation), stretches_.back());
     report_.unbroken.push_back(std::move(unbroken));
 
     VerifyReport::Pair with_master{master_name, name, every_, 0, {}};
@@ -142,8 +179,8 @@ private:
     std::vector<Fields> ends;
     for (const Stretch& stretch : stretches_) {
       simulation.restore(stretch.start);
-      for (unsigned k = 0; k < every_; ++k) simulation.step(), steps();
-      ends.push_back({simulation.positions(), simulation.velocities()});
+      for (unsigned k = 0; k < stretch.steps; ++k) simulation.step(), steps();
+      ends.push_back(fields(simulation));
       add(with_master, stretch.end, ends.back(), stretch), ++with_master.stretches;
       if (on_cpu) add(with_cpu, (*on_cpu)[ends.size() - 1], ends.back(), stretch), ++with_cpu.stretches;
     }
@@ -167,7 +204,7 @@ private:
 
   /// One step from the last start, when whatever can touch does, with all that a run would compute.
   void kernel_by_kernel(const std::string& name) {
-    VerifyReport::Kernels row{name, 0, {}};
+    VerifyReport::Kernels row{name, 0, 0, {}};
     options_.say(name + ": one step, each kernel replayed on the CPU");
     DeviceRequest request{name};
     request.replay = true;
@@ -187,6 +224,7 @@ private:
     for (const std::string& variant : device->kernels_prepared())
       names.insert(variant.substr(0, variant.find('[')));
     row.compared = names.size();
+    row.ties = replay_ties(*device);
     report_.kernels.push_back(std::move(row));
   }
 
@@ -224,6 +262,8 @@ private:
   std::vector<double> sizes_; ///< m; diagonal of each body's box at rest
   double duration_ = 0;       ///< s; of a stretch
   std::vector<Stretch> stretches_;
+  Fields end_;                    ///< of the master, after all steps
+  std::mt19937_64 random_{20171}; ///< the same in each verification
   VerifyReport report_;
 };
 
@@ -231,6 +271,12 @@ private:
 
 unsigned stretch_length(const VerifyOptions& options, const Scene& scene) {
   return options.every > 0 ? options.every : scene.flows() ? 5 : 10;
+}
+
+unsigned judged_steps(const std::vector<double>& growth) {
+  std::size_t steps = growth.size();
+  while (steps > 1 && !(growth[steps - 1] <= verify_growth)) --steps;
+  return static_cast<unsigned>(steps);
 }
 
 bool VerifyReport::Pair::within() const {

@@ -6,9 +6,14 @@
 //   master  0 ----> 10 ----> 20 ----> ... ----> 100      openmp, double
 //           |        |        |
 //           +--> ?   +--> ?   +--> ?                      each other device: judged
-//           +-------------------------------------> ?     the same without restarts: reported only, for
-//           differences
+//           +-------------------------------------> ?     without restarts: reported only, as differences
 //                                                         grow with time in any motion that is not damped
+//
+// Where particles of a fluid part company, a difference may grow fivefold from step to step. How it does is
+// measured: the master repeats each stretch from a start that is off by a rounding of a float, and the
+// stretch is judged at its last step at which that has made no more than a tenth of the limit; at its first
+// if there is none. Beyond, nobody can tell a wrong term from a right one that is rounded otherwise. The
+// limit stays.
 #pragma once
 
 #include "engine/scene/scene.h"
@@ -24,13 +29,15 @@ namespace pliant {
 /// Largest difference of a field after a stretch, relative to its scale. Float rounding of a few hundred
 /// operations on numbers the size of the body leaves it ten times below; a wrong term shows up far above.
 inline constexpr double verify_limit = 1e-4;
+/// What one rounding of the start may grow to, in double, where a stretch is judged. A float rounds each
+/// operation besides: ten times this is left to it.
+inline constexpr double verify_growth = verify_limit / 10;
 /// Relative residual of steps that are solved: what a float reaches, or it ends at its floor.
 inline constexpr double verify_tolerance = 1e-5;
 
 struct VerifyOptions {
   unsigned steps = 100; ///< of the master
-  /// Length of a stretch, steps; 0: 10, of fluids 5. Where particles of a fluid part company, a difference
-  /// doubles from step to step: after ten it says how it grew, not what made it.
+  /// Length of a stretch, steps; 0: 10, of fluids 5.
   unsigned every = 0;
   unsigned iterations = 20; ///< of each step, whatever its residual; methods with a line search solve it
   bool kernels = true;      ///< run one step on each GL device with every kernel replayed on the CPU
@@ -40,6 +47,9 @@ struct VerifyOptions {
 
 /// What `every` stands for.
 unsigned stretch_length(const VerifyOptions& options, const Scene& scene);
+/// How many of its steps a stretch is judged after; `growth`: what a rounding of its start has made after
+/// each.
+unsigned judged_steps(const std::vector<double>& growth);
 
 struct FieldDifference {
   std::string name;
@@ -63,6 +73,7 @@ struct VerifyReport {
   struct Kernels {
     std::string device;
     std::size_t compared = 0;
+    std::size_t ties = 0; ///< results that fell to the other side of a tie: see replay.h
     std::string mismatch; ///< empty: none
   };
   std::string scene;
@@ -72,6 +83,11 @@ struct VerifyReport {
   std::vector<Pair> unbroken; ///< reported
   std::vector<Hashes> run_to_run, threads;
   std::vector<Kernels> kernels;
+  struct Stretches {
+    unsigned count = 0, shortened = 0; ///< shortened: judged before their end
+    unsigned shortest = 0;             ///< steps
+    double growth = 0; ///< what a rounding of the start made at the end of a stretch, in double: the most
+  } stretches;         ///< of fluids
   std::vector<std::string> skipped; ///< devices that are not usable, and why
   bool run_to_run_identical() const;
   bool threads_identical() const;

@@ -16,10 +16,25 @@ std::string pair_text(const VerifyReport::Pair& pair) {
   return text;
 }
 
+std::string agreement_text(const VerifyReport::Kernels& row) {
+  std::string text = fmt::format("{} kernels agree", row.compared);
+  if (row.ties > 0) text += fmt::format("; {} results fell to the other side of a tie", row.ties);
+  return text;
+}
+
 std::string hash_text(const VerifyReport::Hashes& row) {
   return fmt::format("  {:<14} {}\n", row.device,
                      row.identical() ? row.first
                                      : fmt::format("{} and {}: DIFFERENT", row.first, row.second));
+}
+
+/// Which stretches ended early, and why; nothing where none did.
+std::string stretches_text(const VerifyReport::Stretches& s) {
+  if (s.shortened == 0) return {};
+  return fmt::format(
+      "{} of {} stretches are judged before their end, at the soonest after {} step{}: beyond, a "
+      "rounding of the start alone\ngrows to more than {:.0e} in double ({:.1e} at the end of one)\n",
+      s.shortened, s.count, s.shortest, s.shortest == 1 ? "" : "s", verify_growth, s.growth);
 }
 
 nlohmann::json pairs_json(const std::vector<VerifyReport::Pair>& pairs, bool judged) {
@@ -64,6 +79,7 @@ std::string verify_text(const VerifyReport& r) {
       verify_limit);
   for (const VerifyReport::Pair& pair : r.pairs)
     text += fmt::format("{}   {}\n", pair_text(pair), pair.within() ? "good" : "TOO FAR APART");
+  text += stretches_text(r.stretches);
   text += "\nAfter all steps without a restart (reported, not judged)\n";
   for (const VerifyReport::Pair& pair : r.unbroken) text += pair_text(pair) + '\n';
   text += fmt::format("\nFrom run to run: {}\n",
@@ -74,8 +90,8 @@ std::string verify_text(const VerifyReport& r) {
   for (const VerifyReport::Hashes& row : r.threads) text += hash_text(row);
   if (!r.kernels.empty()) text += "Kernel by kernel, against the CPU\n";
   for (const VerifyReport::Kernels& row : r.kernels)
-    text += fmt::format("  {:<14} {}\n", row.device,
-                        row.mismatch.empty() ? fmt::format("{} kernels agree", row.compared) : row.mismatch);
+    text +=
+        fmt::format("  {:<14} {}\n", row.device, row.mismatch.empty() ? agreement_text(row) : row.mismatch);
   for (const std::string& line : r.skipped) text += fmt::format("skipped: {}\n", line);
   text += r.good() ? "\nThe backends agree.\n" : "\nThe backends do NOT agree.\n";
   return text;
@@ -87,6 +103,7 @@ nlohmann::json verify_json(const VerifyReport& r) {
     kernels.push_back({{"device", row.device},
                        {"compared", row.compared},
                        {"agree", row.mismatch.empty()},
+                       {"ties", row.ties},
                        {"mismatch", row.mismatch}});
   return {{"scene", r.scene},
           {"particles", r.particles},
@@ -94,6 +111,11 @@ nlohmann::json verify_json(const VerifyReport& r) {
           {"iterations", r.iterations},
           {"limit", verify_limit},
           {"pairs", pairs_json(r.pairs, true)},
+          {"stretches",
+           {{"count", r.stretches.count},
+            {"shortened", r.stretches.shortened},
+            {"shortest", r.stretches.shortest},
+            {"growth", r.stretches.growth}}},
           {"unbroken", pairs_json(r.unbroken, false)},
           {"run_to_run_identical", r.run_to_run_identical()},
           {"run_to_run", hashes_json(r.run_to_run)},

@@ -2,16 +2,19 @@
 #include "engine/device/replay.h"
 #include "kernels/grid_place.h"
 #include "kernels/predict.h"
+#include "kernels/residual_control.h"
+#include "shaders/common/solver.glsl"
 #include "tests/support/devices.h"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 namespace pliant::test {
 namespace {
 
-// A CPU device whose results of one dispatch are spoiled in one element.
+// A CPU device whose results are spoiled in one element from some dispatch on.
 class FaultyDevice final : public Device {
 public:
   FaultyDevice(Precision precision, int faulty_dispatch, double fault)
@@ -34,7 +37,14 @@ public:
   void prepare(const KernelInfo& kernel, const void* args) override { device_->prepare(kernel, args); }
   void dispatch(const KernelInfo& kernel, const void* args) override {
     device_->dispatch(kernel, args);
-    if (++dispatched_ != faulty_) return;
+    if (++dispatched_ < faulty_) return;
+    if (kernel.name == std::string_view("residual_control")) {
+      const auto& control = *static_cast<const kernels::residual_control::Args*>(args);
+      std::vector<double> solver = device_->download_real(control.solver);
+      solver[SOLVER_ACTION] += fault_;
+      device_->upload(control.solver, solver);
+      return;
+    }
     if (kernel.name == std::string_view("grid_place")) { // the first two change places, or one is lost
       const auto& place = *static_cast<const kernels::grid_place::Args*>(args);
       std::vector<std::uint32_t> placed = device_->download_uint(place.placed);
@@ -96,6 +106,23 @@ void run_place(Device& device) {
   device.run(kernels::grid_place::Args{.threads = 6, .cell_of = cell, .cell_next = next, .placed = placed});
 }
 
+// Is a residual of sqrt(2) no larger than the best so far?
+void run_control(Device& device, double best) {
+  const Buffer partial = device.allocate("residual_partial", Type::real4, 1),
+               state = device.allocate("solver", Type::real, SOLVER_ENTRIES);
+  device.upload(partial, std::vector<Real4<double>>{{2, 1, 1, 0}});
+  std::vector<double> solver(SOLVER_ENTRIES, 0);
+  solver[SOLVER_BEST] = best;
+  device.upload(state, solver);
+  device.run(kernels::residual_control::Args{.threads = kernels::residual_control::group_size,
+                                             .iteration = 8,
+                                             .partial_count = 1,
+                                             .one_minus_rho = 0.5,
+                                             .gamma = 1,
+                                             .residual_partial = partial,
+                                             .solver = state});
+}
+
 class Replay : public testing::TestWithParam<DeviceChoice> {};
 
 TEST_P(Replay, AgreesWithAnHonestReference) {
@@ -119,6 +146,34 @@ TEST_P(Replay, StopsAtAPlantedMismatch) {
       EXPECT_EQ(error.code(), ExitCode::internal);
       for (const char* part : {"dispatch 2", "'predict'", "'displacement'", "element 5.z", "1.5"})
         EXPECT_NE(text.find(part), std::string::npos) << part << " is not in: " << text;
+    }
+  }
+}
+
+// A float's sqrt(2) is below the true one, which a double has: of a best that is that float, one device says
+// that it is reached, and the other that it is not.
+TEST_P(Replay, ADecisionAtATieIsNoMismatch) {
+  const double float_root = std::sqrt(2.0f);
+  ASSERT_LT(float_root, std::sqrt(2.0));
+  const auto device =
+      make_replay_device(GetParam().open(), openmp::make_device(Precision::double_precision, 1));
+  run_control(*device, float_root);
+  if (!GetParam().gl()) {
+    const bool single = device->info().precision == Precision::single_precision;
+    EXPECT_EQ(replay_ties(*device), single ? 2u : 0u); // the decision, and the iteration that is kept
+  }
+  EXPECT_EQ(replay_ties(*openmp::make_device(Precision::single_precision, 1)), 0u);
+}
+
+TEST_P(Replay, ADecisionThatIsNotAtATieIs) {
+  for (const double best : {1.41, 1.42}) {
+    const auto device = make_replay_device(GetParam().open(),
+                                           std::make_unique<FaultyDevice>(Precision::double_precision, 1, 1));
+    try {
+      run_control(*device, best);
+      FAIL() << "a wrong decision went unnoticed";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("'solver', element 1:"), std::string::npos) << error.what();
     }
   }
 }

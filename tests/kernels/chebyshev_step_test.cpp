@@ -2,6 +2,7 @@
 // / D.
 #include "kernels/chebyshev_step.h"
 #include "shaders/common/solver.glsl"
+#include "shaders/common/touched.glsl"
 #include "tests/support/kernel_particles.h"
 
 namespace pliant::test {
@@ -88,7 +89,7 @@ struct Problem {
         add(1, momentum, momentum);
         add(2, moved, moved);
         const std::uint32_t mixed = static_cast<std::uint32_t>(i) * 2654435761u;
-        if (contacts && touched[i] > 0) add(3, 1 + (mixed >> 16) / 65536.0, 1);
+        if (contacts && touched[i] > 0) add(3, TOUCHED_UNIT * (1 + (mixed >> 16)), 0); // exactly
       }
     }
     wanted = {{"earlier_iterate", next}, {"residual_partial", partial}};

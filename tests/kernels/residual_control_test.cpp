@@ -1,6 +1,7 @@
 // residual_control: every decision, from a state of the solver and a residual.
 #include "kernels/residual_control.h"
 #include "shaders/common/solver.glsl"
+#include "shaders/common/touched.glsl"
 #include "tests/support/kernel_bonds.h"
 
 namespace pliant::test {
@@ -69,6 +70,8 @@ TEST_P(ResidualControl, Sums) {
   for (const std::size_t count : {1, 15, 127, 256, 257, 1000}) {
     std::vector<double> partial(4 * count), solver(SOLVER_ENTRIES, sentinel);
     for (double& value : partial) value = std::abs(random(3));
+    for (std::size_t p = 0; p < count; ++p) // marks are whole numbers of units, at most 1
+      partial[4 * p + 3] = TOUCHED_UNIT * std::floor(partial[4 * p + 3] / 3 / TOUCHED_UNIT);
     double sums[4] = {};
     for (std::size_t p = 0; p < partial.size(); ++p) sums[p % 4] += partial[p];
     const double e = std::sqrt(sums[0]), scale = std::sqrt(sums[1]), moved = std::sqrt(sums[2]);
@@ -85,7 +88,7 @@ TEST_P(ResidualControl, Sums) {
     wanted.set(SOLVER_ACCELERATE, 1);
     wanted.set(SOLVER_SCALE, scale, scale);
     wanted.set(SOLVER_FLOOR, 0.0009765625 * moved, 0.0009765625 * moved);
-    wanted.set(SOLVER_TOUCHED, sums[3], sums[3]);
+    wanted.set(SOLVER_TOUCHED, sums[3] - std::floor(sums[3]), 0);
     wanted.set(SOLVER_TRIAL, 0);
     expect_kernel<kernels::residual_control::Args>(GetParam(), kernels::residual_control::group_size,
                                                    {{"iteration", {0}},
@@ -207,11 +210,11 @@ TEST_P(ResidualControl, AnotherSetOfContacts) {
 // What momentum predicts may be absurd: standing still is evaluated next, and the smaller of both is the
 // start.
 TEST_P(ResidualControl, SecondGuess) {
-  const Changes fresh{{SOLVER_RESTARTS, 0}, {SOLVER_DELAY, 7},      {SOLVER_GAMMA, 0.875},
-                      {SOLVER_FIRST, 512},  {SOLVER_BEST, 512},     {SOLVER_CURRENT, 512},
-                      {SOLVER_TRIAL, 1},    {SOLVER_ACTION, 3},     {SOLVER_START, 1},
-                      {SOLVER_TOUCHED, 3},  {SOLVER_ITERATIONS, 0}, {SOLVER_ONE_MINUS_RHO, 0.03125}};
-  const Case absurd{.iteration = 0, .restart = 1, .residual = 512, .momentum = 32, .moved = 4, .mark = 3};
+  const Changes fresh{{SOLVER_RESTARTS, 0},    {SOLVER_DELAY, 7},      {SOLVER_GAMMA, 0.875},
+                      {SOLVER_FIRST, 512},     {SOLVER_BEST, 512},     {SOLVER_CURRENT, 512},
+                      {SOLVER_TRIAL, 1},       {SOLVER_ACTION, 3},     {SOLVER_START, 1},
+                      {SOLVER_TOUCHED, 0.375}, {SOLVER_ITERATIONS, 0}, {SOLVER_ONE_MINUS_RHO, 0.03125}};
+  const Case absurd{.iteration = 0, .restart = 1, .residual = 512, .momentum = 32, .moved = 4, .mark = 0.375};
   Case one = absurd;
   one.after = fresh;
   expect_case(GetParam(), "an absurd prediction: standing still is tried", one);
@@ -245,16 +248,50 @@ TEST_P(ResidualControl, SecondGuess) {
 TEST_P(ResidualControl, ContactsThatComeAndGo) {
   expect_case(GetParam(), "another set acts: the acceleration starts anew",
               {.residual = 0.5,
-               .mark = 3,
+               .mark = 0.375,
                .after = {{SOLVER_ACTION, 1},
                          {SOLVER_BEST, 0.5},
                          {SOLVER_CURRENT, 0.5},
                          {SOLVER_ITERATIONS, 16},
-                         {SOLVER_TOUCHED, 3},
+                         {SOLVER_TOUCHED, 0.375},
                          {SOLVER_START, 17}}});
-  expect_case(
-      GetParam(), "the same set",
-      {.residual = 2.5, .mark = 3, .before = {{SOLVER_TOUCHED, 3}}, .after = {{SOLVER_CURRENT, 2.5}}});
+  expect_case(GetParam(), "the same set",
+              {.residual = 2.5,
+               .mark = 0.375,
+               .before = {{SOLVER_TOUCHED, 0.375}},
+               .after = {{SOLVER_CURRENT, 2.5}}});
+}
+
+// A mark is the same to the last bit on every device, however many touch: one that depended on the order of
+// its sum would change without a contact that does.
+TEST_P(ResidualControl, MarksAreExactWhateverTheOrder) {
+  for (const std::size_t count : {2, 300, 5000}) {
+    std::vector<double> partial(4 * count, 0.0), solver(SOLVER_ENTRIES, 0.0);
+    std::uint64_t mark = 0, mixed = 12345;
+    for (std::size_t p = 0; p < count; ++p) {
+      mixed = mixed * 6364136223846793005u + 1442695040888963407u;
+      const std::uint64_t part = p % 2 == 0 ? 1u << 23 : mixed >> 41; // the most, and any
+      partial[4 * p + 3] = TOUCHED_UNIT * static_cast<double>(part);
+      mark += part;
+    }
+    const Values out = run_kernel<kernels::residual_control::Args>(OpenDevices::of(GetParam()),
+                                                                   kernels::residual_control::group_size,
+                                                                   {{"iteration", {0}},
+                                                                    {"partial_count", {double(count)}},
+                                                                    {"restart", {1}},
+                                                                    {"delay", {0}},
+                                                                    {"accelerate", {1}},
+                                                                    {"one_minus_rho", {0.5}},
+                                                                    {"gamma", {1}},
+                                                                    {"tolerance", {0}},
+                                                                    {"floor_residual", {0}},
+                                                                    {"rounding", {0}},
+                                                                    {"second_guess", {0}},
+                                                                    {"residual_partial", partial},
+                                                                    {"solver", solver}});
+    EXPECT_EQ(out.at("solver")[SOLVER_TOUCHED], TOUCHED_UNIT * static_cast<double>(mark % (1u << 23)))
+        << count;
+  }
 }
 
 TEST_P(ResidualControl, FloorOfALongWay) {

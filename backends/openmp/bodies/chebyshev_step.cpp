@@ -3,6 +3,7 @@
 #include "backends/openmp/body.h"
 #include "backends/openmp/simd.h"
 #include "shaders/common/solver.glsl"
+#include "shaders/common/touched.glsl"
 
 namespace pliant::openmp::PLIANT_ISA {
 
@@ -27,6 +28,7 @@ template <class real> void chebyshev_step(const kernels::chebyshev_step::View<re
   const real m = k.solver[SOLVER_ACCELERATE] > 0 ? since - k.solver[SOLVER_DELAY] + 1 : 0;
   const real omega = chebyshev_omega(m, k.solver[SOLVER_ONE_MINUS_RHO]), gamma = k.solver[SOLVER_GAMMA];
   constexpr uint group = kernels::chebyshev_step::group_size;
+  static_assert(group * 65536 * TOUCHED_UNIT <= 1);
   const Quad<real> no_w{1, 1, 1, 0};
 #pragma omp parallel for schedule(static)
   for (uint block = 0; block < (k.threads + group - 1) / group; ++block) {
@@ -49,7 +51,8 @@ template <class real> void chebyshev_step(const kernels::chebyshev_step::View<re
         error += inverse_diagonal * (r * r);
         momentum += inverse_diagonal * (impulse * impulse);
         moved += (inertia + f[3]) * (u * u);
-        if (k.contacts && k.touched[i]) mark += 1 + static_cast<real>((i * 2654435761u) >> 16) / 65536;
+        if (k.contacts && k.touched[i])
+          mark += real(TOUCHED_UNIT) * static_cast<real>(1 + ((i * 2654435761u) >> 16));
       }
       store_quad(k.earlier_iterate[i], u_next * no_w);
     }

@@ -14,6 +14,7 @@ template <class real> void residual_control(const kernels::residual_control::Vie
     impulse += part.y;
     displaced += part.z;
     mark += part.w;
+    if (mark >= 1) mark -= 1; // see shaders/common/touched.glsl
   }
   real* const solver = k.solver;
   if (k.iteration > 0 && solver[SOLVER_STOP] > 0) {
