@@ -53,8 +53,8 @@ void add_verify(CLI::App& program, Action& action) {
       ->check(CLI::Range(1u, 1'000'000u).description(""));
   command
       ->add_option("--iterations", options->verify.iterations,
-                   "of each step, whatever its residual; a scene that names newton, lbfgs or direct "
-                   "has its steps solved instead")
+                   "of each step, whatever its residual; a scene that names newton, lbfgs or direct, "
+                   "or has viscoelastic matter, has its steps solved instead")
       ->capture_default_str()
       ->type_name("N")
       ->check(CLI::Range(1u, 1'000'000u).description(""));

@@ -307,11 +307,14 @@ VerifyReport verify_scene(Scene scene, const VerifyOptions& options) {
                             options.steps, every));
   std::string& method = scene.solver.method;
   if (method == "auto") method = "chebyshev"; // sweeps without a decision between them
-  scene.solver.fixed_iterations = method != "newton" && method != "lbfgs" && method != "direct";
+  const bool bonded = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                  [](const Material& material) { return material.bonded(); });
+  scene.solver.fixed_iterations = method != "newton" && method != "lbfgs" && method != "direct" && !bonded;
   if (scene.solver.fixed_iterations) {
     scene.solver.iterations = options.iterations;
   } else {
-    scene.solver.tolerance = verify_tolerance;
+    scene.solver.tolerance = bonded ? verify_bonded_tolerance : verify_tolerance;
+    if (bonded) scene.solver.iterations = std::max(scene.solver.iterations, verify_cap);
     scene.solver.energy_tolerance.reset();
   }
   return Verification(scene, options).run();

@@ -34,12 +34,17 @@ inline constexpr double verify_limit = 1e-4;
 inline constexpr double verify_growth = verify_limit / 10;
 /// Relative residual of steps that are solved: what a float reaches, or it ends at its floor.
 inline constexpr double verify_tolerance = 1e-5;
+/// Of viscoelastic matter, whose sweeps are restarted where contacts come or go: a step that is cut off on
+/// the way is somewhere else after a restart that falls one iteration later. Solved, it is not.
+inline constexpr double verify_bonded_tolerance = 1e-4;
+inline constexpr unsigned verify_cap = 2000; ///< iterations of such a step
 
 struct VerifyOptions {
   unsigned steps = 100; ///< of the master
   /// Length of a stretch, steps; 0: 10, of fluids 5.
   unsigned every = 0;
-  unsigned iterations = 20; ///< of each step, whatever its residual; methods with a line search solve it
+  unsigned iterations = 20; ///< of each step, whatever its residual; methods with a line search
+                            ///< and viscoelastic matter have it solved
   bool kernels = true;      ///< run one step on each GL device with every kernel replayed on the CPU
   /// Lines of progress.
   std::function<void(const std::string&)> say = [](const std::string&) {};
