@@ -4,6 +4,8 @@
 #include "backends/openmp/cells.h"
 #include "shaders/common/contact.glsl"
 
+#include <memory>
+
 namespace pliant::openmp::PLIANT_ISA {
 
 namespace {
@@ -53,28 +55,69 @@ template <class View> PLIANT_INLINE bool bonded(const View& k, uint i, uint j) {
   return false;
 }
 
+/// Places whose cells follow one another along x, next to a cell.
+struct Run {
+  uint begin, end;
+  int y, z;      // of their cells
+  bool one_body; // all belong to that of the first
+};
+
+/// What lies around a cell: the same for all of its particles, which are sorted next to each other.
+template <class View>
+PLIANT_INLINE uint runs_around(const View& k, Cell home, const uint* same_until, Run (&runs)[18]) {
+  const uint cells = k.mask + 1;
+  uint count = 0;
+  for (int row = 0; row < 9; ++row) {
+    const int y = home.y + row % 3 - 1, z = home.z + row / 3 - 1;
+    // Three cells along x; their numbers may run over the end of the table.
+    const uint first = cell_number(Cell{home.x - 1, y, z}, k.mask), last = first + 3;
+    const uint from[2] = {first, 0}, to[2] = {smaller(last, cells), last > cells ? last - cells : 0};
+    for (int part = 0; part < 2; ++part) {
+      if (from[part] >= to[part]) continue;
+      const uint begin = k.cell_begin[from[part]], end = k.cell_begin[to[part]];
+      if (begin < end) runs[count++] = {begin, end, y, z, same_until[begin] >= end};
+    }
+  }
+  return count;
+}
+
 } // namespace
 
 template <class real> void contact_find(const kernels::contact_find::View<real>& k) {
-  const uint cells = k.mask + 1;
+  constexpr uint chunk = 512;
   const real reach2 = k.reach * k.reach;
-#pragma omp parallel for schedule(dynamic, 512)
-  for (uint place = 0; place < k.threads; ++place) {
-    const uint i = k.sorted[place];
-    const auto here = k.sorted_place[place];
-    const Cell home = cell_at(xyz(here), k.per_cell);
-    const bool own = k.within && k.self_contact[static_cast<uint>(here.w)];
-    const real limit_own = own ? reach2 : real(0), limit_more = (k.between ? reach2 : real(0)) - limit_own;
-    Nearest<real> nearest;
-    for (int row = 0; row < 9; ++row) {
-      const int y = home.y + row % 3 - 1, z = home.z + row / 3 - 1;
-      // Three cells along x; their numbers may run over the end of the table.
-      const uint first = cell_number(Cell{home.x - 1, y, z}, k.mask), last = first + 3;
-      const uint begin[2] = {first, 0}, end[2] = {smaller(last, cells), last > cells ? last - cells : 0};
-      for (int part = 0; part < 2; ++part) {
-        if (begin[part] >= end[part]) continue;
-        const uint stop = k.cell_begin[end[part]];
-        for (uint other = k.cell_begin[begin[part]]; other < stop; ++other) {
+  // Most particles are among their own body's only. From each place on, as far as its chunk goes, this many
+  // are of one.
+  const auto same_until = std::make_unique_for_overwrite<uint[]>(k.threads);
+#pragma omp parallel
+  {
+#pragma omp for schedule(static)
+    for (uint first = 0; first < k.threads; first += chunk) {
+      uint until = smaller(first + chunk, k.threads);
+      for (uint place = until; place-- > first;) {
+        if (place + 1 < until && k.sorted_place[place].w != k.sorted_place[place + 1].w) until = place + 1;
+        same_until[place] = until;
+      }
+    }
+    Run runs[18];
+    uint count = 0;
+    Cell home{0, 0, 0};
+#pragma omp for schedule(dynamic, chunk)
+    for (uint place = 0; place < k.threads; ++place) {
+      const uint i = k.sorted[place];
+      const auto here = k.sorted_place[place];
+      const Cell cell_here = cell_at(xyz(here), k.per_cell);
+      if (count == 0 || cell_here.x != home.x || cell_here.y != home.y || cell_here.z != home.z) {
+        home = cell_here;
+        count = runs_around(k, home, same_until.get(), runs);
+      }
+      const bool own = k.within && k.self_contact[static_cast<uint>(here.w)];
+      const real limit_own = own ? reach2 : real(0), limit_more = (k.between ? reach2 : real(0)) - limit_own;
+      Nearest<real> nearest;
+      for (uint r = 0; r < count; ++r) {
+        const Run& run = runs[r];
+        if (!own && run.one_body && k.sorted_place[run.begin].w == here.w) continue;
+        for (uint other = run.begin; other < run.end; ++other) {
           const auto there = k.sorted_place[other];
           const Vec3<real> away = xyz(there) - xyz(here);
           const real r2 = dot(away, away);
@@ -83,20 +126,20 @@ template <class real> void contact_find(const kernels::contact_find::View<real>&
           if (!(r2 < limit_own + differs * limit_more) || other == place) continue;
           // Rows may share numbers: only true members of this row count, and so each once.
           const Cell cell = cell_at(xyz(there), k.per_cell);
-          if (cell.y != y || cell.z != z || cell.x < home.x - 1 || cell.x > home.x + 1) continue;
+          if (cell.y != run.y || cell.z != run.z || cell.x < home.x - 1 || cell.x > home.x + 1) continue;
           const uint j = k.sorted[other];
           if (there.w == here.w && bonded(k, i, j)) continue;
           nearest.offer(r2, j);
         }
       }
-    }
-    nearest.order_by_index();
-    uint* list = k.contact + std::size_t{CONTACTS * 16} * (i / 16) + i % 16;
-    for (uint a = 0; a < nearest.count; ++a) list[16 * a] = nearest.particle[a];
-    if (nearest.count < CONTACTS) list[16 * nearest.count] = i;
-    if (nearest.lost > 0) {
-      __atomic_fetch_add(&k.left_out[0], nearest.lost, __ATOMIC_RELAXED);
-      __atomic_fetch_add(&k.left_out[1], 1u, __ATOMIC_RELAXED);
+      nearest.order_by_index();
+      uint* list = k.contact + std::size_t{CONTACTS * 16} * (i / 16) + i % 16;
+      for (uint a = 0; a < nearest.count; ++a) list[16 * a] = nearest.particle[a];
+      if (nearest.count < CONTACTS) list[16 * nearest.count] = i;
+      if (nearest.lost > 0) {
+        __atomic_fetch_add(&k.left_out[0], nearest.lost, __ATOMIC_RELAXED);
+        __atomic_fetch_add(&k.left_out[1], 1u, __ATOMIC_RELAXED);
+      }
     }
   }
 }
