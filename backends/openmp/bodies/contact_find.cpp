@@ -5,6 +5,7 @@
 #include "shaders/common/contact.glsl"
 
 #include <memory>
+#include <vector>
 
 namespace pliant::openmp::PLIANT_ISA {
 
@@ -55,18 +56,19 @@ template <class View> PLIANT_INLINE bool bonded(const View& k, uint i, uint j) {
   return false;
 }
 
-/// Places whose cells follow one another along x, next to a cell.
-struct Run {
-  uint begin, end;
-  int y, z;      // of their cells
-  bool one_body; // all belong to that of the first
+/// A place in one of the cells around, unless rows of cells share numbers: then it may be somewhere else.
+struct Candidate {
+  uint place;
+  int y, z; // of its cell, if it is there
 };
 
-/// What lies around a cell: the same for all of its particles, which are sorted next to each other.
-template <class View>
-PLIANT_INLINE uint runs_around(const View& k, Cell home, const uint* same_until, Run (&runs)[18]) {
+/// What a body's particles may touch around a cell, in which they are sorted next to each other.
+/// `same_until`: from each place on the particles before this one are of the same body.
+template <class View, class real>
+PLIANT_INLINE void look_around(const View& k, Cell home, real body, bool own, const uint* same_until,
+                               std::vector<Candidate>& candidates) {
   const uint cells = k.mask + 1;
-  uint count = 0;
+  candidates.clear();
   for (int row = 0; row < 9; ++row) {
     const int y = home.y + row % 3 - 1, z = home.z + row / 3 - 1;
     // Three cells along x; their numbers may run over the end of the table.
@@ -74,11 +76,15 @@ PLIANT_INLINE uint runs_around(const View& k, Cell home, const uint* same_until,
     const uint from[2] = {first, 0}, to[2] = {smaller(last, cells), last > cells ? last - cells : 0};
     for (int part = 0; part < 2; ++part) {
       if (from[part] >= to[part]) continue;
-      const uint begin = k.cell_begin[from[part]], end = k.cell_begin[to[part]];
-      if (begin < end) runs[count++] = {begin, end, y, z, same_until[begin] >= end};
+      const uint end = k.cell_begin[to[part]];
+      for (uint place = k.cell_begin[from[part]]; place < end;) {
+        const uint until = smaller(same_until[place], end);
+        if (k.sorted_place[place].w == body ? own : k.between)
+          for (; place < until; ++place) candidates.push_back({place, y, z});
+        place = until;
+      }
     }
   }
-  return count;
 }
 
 } // namespace
@@ -86,8 +92,7 @@ PLIANT_INLINE uint runs_around(const View& k, Cell home, const uint* same_until,
 template <class real> void contact_find(const kernels::contact_find::View<real>& k) {
   constexpr uint chunk = 512;
   const real reach2 = k.reach * k.reach;
-  // Most particles are among their own body's only. From each place on, as far as its chunk goes, this many
-  // are of one.
+  // Most particles are among their own body's only, which is passed over, as far as a chunk goes.
   const auto same_until = std::make_unique_for_overwrite<uint[]>(k.threads);
 #pragma omp parallel
   {
@@ -99,38 +104,32 @@ template <class real> void contact_find(const kernels::contact_find::View<real>&
         same_until[place] = until;
       }
     }
-    Run runs[18];
-    uint count = 0;
+    std::vector<Candidate> candidates;
     Cell home{0, 0, 0};
+    real body = -1;
 #pragma omp for schedule(dynamic, chunk)
     for (uint place = 0; place < k.threads; ++place) {
       const uint i = k.sorted[place];
       const auto here = k.sorted_place[place];
-      const Cell cell_here = cell_at(xyz(here), k.per_cell);
-      if (count == 0 || cell_here.x != home.x || cell_here.y != home.y || cell_here.z != home.z) {
-        home = cell_here;
-        count = runs_around(k, home, same_until.get(), runs);
+      const Cell cell = cell_at(xyz(here), k.per_cell);
+      if (here.w != body || cell.x != home.x || cell.y != home.y || cell.z != home.z) {
+        home = cell;
+        body = here.w;
+        const bool own = k.within && k.self_contact[static_cast<uint>(body)];
+        look_around(k, home, body, own, same_until.get(), candidates);
       }
-      const bool own = k.within && k.self_contact[static_cast<uint>(here.w)];
-      const real limit_own = own ? reach2 : real(0), limit_more = (k.between ? reach2 : real(0)) - limit_own;
       Nearest<real> nearest;
-      for (uint r = 0; r < count; ++r) {
-        const Run& run = runs[r];
-        if (!own && run.one_body && k.sorted_place[run.begin].w == here.w) continue;
-        for (uint other = run.begin; other < run.end; ++other) {
-          const auto there = k.sorted_place[other];
-          const Vec3<real> away = xyz(there) - xyz(here);
-          const real r2 = dot(away, away);
-          // One branch a candidate, which rarely goes the other way: the limit is 0 for a body not wanted.
-          const real gap = there.w - here.w, differs = smaller(gap * gap, real(1));
-          if (!(r2 < limit_own + differs * limit_more) || other == place) continue;
-          // Rows may share numbers: only true members of this row count, and so each once.
-          const Cell cell = cell_at(xyz(there), k.per_cell);
-          if (cell.y != run.y || cell.z != run.z || cell.x < home.x - 1 || cell.x > home.x + 1) continue;
-          const uint j = k.sorted[other];
-          if (there.w == here.w && bonded(k, i, j)) continue;
-          nearest.offer(r2, j);
-        }
+      for (const Candidate& other : candidates) {
+        const auto there = k.sorted_place[other.place];
+        const Vec3<real> away = xyz(there) - xyz(here);
+        const real r2 = dot(away, away);
+        if (!(r2 < reach2) || other.place == place) continue;
+        // Rows may share numbers: only true members of this row count, and so each once.
+        const Cell its = cell_at(xyz(there), k.per_cell);
+        if (its.y != other.y || its.z != other.z || its.x < home.x - 1 || its.x > home.x + 1) continue;
+        const uint j = k.sorted[other.place];
+        if (there.w == body && bonded(k, i, j)) continue;
+        nearest.offer(r2, j);
       }
       nearest.order_by_index();
       uint* list = k.contact + std::size_t{CONTACTS * 16} * (i / 16) + i % 16;
