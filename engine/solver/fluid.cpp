@@ -35,8 +35,9 @@ namespace {
 constexpr double warm_share = 0.5;
 // Neighbours correct the same density at once: with 1 a column at rest explodes.
 constexpr double relaxation = 0.5;
-// What a sweep is taken to leave of an error at most; what converges without (0) does so with any. Five sweeps of honey that is
-// poured leave 1.2 % in the mean instead of 2.1 %. 0.9 leaves 0.8 %, but in a collision roundings grow thirty times as much.
+// What a sweep is taken to leave of an error at most; what converges without (0) does so with any. Five
+// sweeps of honey that is poured leave 1.2 % in the mean instead of 2.1 %. 0.9 leaves 0.8 %, but in a
+// collision roundings grow thirty times as much.
 constexpr double spectral_radius = 0.8, radius2 = spectral_radius * spectral_radius;
 // C beyond which a sweep corrects no more at once, so that what was poured into one place parts in some
 // steps.
