@@ -57,8 +57,10 @@ double median(std::vector<double> values) {
   return values.empty() ? 0 : values[values.size() / 2];
 }
 
-/// What has been poured after some seconds, so that a bench need not pour it.
+/// What has been poured after some seconds, so that a bench need not pour it, and room for what is born while
+/// it looks.
 void pour(Scene& scene) {
+  scene.emitters.front().particles = 6000;
   Body& heap = scene.bodies.emplace_back();
   heap.name = "heap";
   heap.material = "honey";

@@ -43,7 +43,9 @@ void main() {
   if (moves) {
     float scale = slope_scale / rest;
     float stiffness = scale * scale * (dot(gradient, gradient) / place.w + squares) + limits.x;
-    change = min(-relaxation * min(error, limits.y) / (stiffness * rest), -total);
+    change = -relaxation * min(error, limits.y) / (stiffness * rest);
+    if (momentum > 0.0) change += momentum * fluid_lambda[i].w; // not before: it may be anything
+    change = min(change, -total);
   }
   fluid_total[i] = total + change;
 #endif

@@ -12,9 +12,30 @@ PLIANT_INLINE std::size_t list_entry(const View& k, const Part<real>& part, uint
   return std::size_t{16} * (std::size_t{k.rows} * (part.first / 16) + r) + part.first % 16;
 }
 
-/// What leads from `own` places to others, as short as images make it.
-template <class View, class real = typename View::real>
+/// Calls visit(entry) for the entries of a part's list; `along` goes with `near`, a value an entry.
+template <class View, class real, class Visit>
+PLIANT_INLINE void for_each_entry(const View& k, const real* along, const Part<real>& part, Visit visit) {
+  const std::size_t slice = std::size_t{16} * k.rows;
+  std::size_t entry = list_entry(k, part, 0);
+  for (uint left = k.near_count[part.first / 16]; left; --left, entry += 16) {
+    __builtin_prefetch(k.near + entry + slice); // the next slice, on a page of its own
+    __builtin_prefetch(along + entry + slice);
+    visit(entry);
+  }
+}
+
+/// Calls work(std::bool_constant): whether the domain repeats.
+template <class View, class Work> PLIANT_INLINE void with_images(const View& k, Work work) {
+  if (k.period_x > 0 || k.period_y > 0 || k.period_z > 0)
+    work(std::true_type());
+  else
+    work(std::false_type());
+}
+
+/// What leads from `own` places to others, as short as images make it where the domain `repeats`.
+template <bool repeats = true, class View, class real = typename View::real>
 PLIANT_INLINE Wide3<real> to_others(const View& k, const Wide4<real>& own, const Wide4<real>& others) {
+  if constexpr (!repeats) return {others.x - own.x, others.y - own.y, others.z - own.z};
   return {shortest<real>(others.x - own.x, k.period_x), shortest<real>(others.y - own.y, k.period_y),
           shortest<real>(others.z - own.z, k.period_z)};
 }

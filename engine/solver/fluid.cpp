@@ -35,6 +35,10 @@ namespace {
 constexpr double warm_share = 0.5;
 // Neighbours correct the same density at once: with 1 a column at rest explodes.
 constexpr double relaxation = 0.5;
+// What a sweep is taken to leave of an error at most; what converges without (0) does so with any. Five
+// sweeps of honey that is poured leave 1.2 % in the mean instead of 2.1 %. 0.9 leaves 0.8 %, but in a
+// collision roundings grow thirty times as much.
+constexpr double spectral_radius = 0.8, radius2 = spectral_radius * spectral_radius;
 // C beyond which a sweep corrects no more at once, so that what was poured into one place parts in some
 // steps.
 constexpr double largest_error = 0.25;
@@ -239,7 +243,6 @@ kernels::fluid_lambda::Args lambda_args(const Fluid& fluid) {
   args.support = model.smoothing.support;
   args.value_scale = model.smoothing.spline();
   args.slope_scale = model.smoothing.spline_gradient();
-  args.relaxation = relaxation;
   args.fluid_material = fluid.buffer("fluid_material");
   args.fluid_place = fluid.buffer("fluid_place");
   args.fluid_velocity = fluid.buffer("fluid_velocity");
@@ -264,11 +267,16 @@ void Fluid::density(double step) {
                                         .fluid_total = buffer("fluid_total"),
                                         .fluid_moved = buffer("fluid_moved")});
   project();
+  double omega = 1;
   for (unsigned k = 0; k <= scene_.fluid.density_iterations;
        ++k) { // before the first, those of the last step
     kernels::fluid_lambda::Args args = lambda_args(*this);
     in_period(args);
     args.warm = k == 0;
+    // Chebyshev's semi-iteration (Wang 2015).
+    if (k > 1) omega = k == 2 ? 2 / (2 - radius2) : 4 / (4 - radius2 * omega);
+    args.relaxation = omega * relaxation;
+    args.momentum = omega - 1;
     device_.run(args);
     shift();
     project();

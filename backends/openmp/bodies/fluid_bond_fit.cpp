@@ -8,19 +8,21 @@ namespace pliant::openmp::PLIANT_ISA {
 namespace {
 
 /// Bonds that are kept, of a part: visit(weight, n, |X|^2 / |Y|^2, e), with weight 0 where there is none.
-template <class View, class Visit, class real = typename View::real>
+template <bool repeats, class View, class Visit, class real = typename View::real>
 PLIANT_INLINE void for_each_kept(const View& k, const Part<real>& part, const Wide4<real>& own, Visit visit) {
   const Wide<real> none{}, one = none + 1;
   for (uint r = 0; r < k.near_count[part.first / 16]; ++r) {
     const std::size_t entry = list_entry(k, part, r);
     const Wide<real> rest = load_wide(k.near_rest + entry);
-    const Wide3<real> y = to_others(k, own, gather(k.fluid_start, k.near + entry));
+    const Wide3<real> y = to_others<repeats>(k, own, gather_near(k.fluid_start, k.near + entry));
     const Wide<real> size2 = dot(y, y);
     const WideMask<real> kept = (rest > 0) & (size2 > real(SHORTEST_BOND));
-    const Wide<real> length2 = kept ? size2 : one, size = root_wide<real>(length2), x = kept ? rest : one;
-    const Wide<real> weight = bond_weights(k, size2);
-    visit(kept ? weight : none, Wide3<real>{y.x / size, y.y / size, y.z / size}, Wide<real>(x * x / length2),
-          Wide<real>(size / x - 1));
+    const Wide<real> size = root_wide<real>(kept ? size2 : one), x = kept ? rest : one;
+    const Wide<real> both = 1 / (size * x), per = both * x,
+                     stretch = size * (both * size); // one division for both
+    const Wide<real> weight = bond_weights(k, size2), short_by = x * per;
+    visit(kept ? weight : none, Wide3<real>{per * y.x, per * y.y, per * y.z}, Wide<real>(short_by * short_by),
+          Wide<real>(stretch - 1));
   }
 }
 
@@ -66,9 +68,7 @@ template <class real> struct Normal {
   }
 };
 
-} // namespace
-
-template <class real> void fluid_bond_fit(const kernels::fluid_bond_fit::View<real>& k) {
+template <bool repeats, class real> PLIANT_INLINE void fits(const kernels::fluid_bond_fit::View<real>& k) {
   const Wide<real> none{}, one = none + 1;
 #pragma omp parallel for schedule(static)
   for (uint first = 0; first < k.threads; first += lanes<real>) {
@@ -80,27 +80,28 @@ template <class real> void fluid_bond_fit(const kernels::fluid_bond_fit::View<re
     const Wide4<real> own = gather(k.fluid_start, part.index);
     StrainSums<real> strains;
     Wide<real> ratios{};
-    for_each_kept(k, part, own,
-                  [&](Wide<real> weight, const Wide3<real>&, Wide<real> ratio, Wide<real> strain) {
-                    add_strain(strains, weight, strain);
-                    ratios += weight * ratio;
-                  });
+    for_each_kept<repeats>(k, part, own,
+                           [&](Wide<real> weight, const Wide3<real>&, Wide<real> ratio, Wide<real> strain) {
+                             add_strain(strains, weight, strain);
+                             ratios += weight * ratio;
+                           });
     const WideMask<real> known = strains.weight > 0;
     const Wide<real> per = 1 / (known ? strains.weight : one), mean = ratios * per,
                      isotropic = strains.strain * per;
     const Wide<real> variance = strains.square * per - isotropic * isotropic;
     const Wide<real> rms = root_wide<real>(variance > 0 ? variance : none);
     Normal<real> normal;
-    for_each_kept(k, part, own, [&](Wide<real> weight, const Wide3<real>& n, Wide<real> ratio, Wide<real>) {
-      Wide<real> phi[6];
-      directions<real>(phi, n);
-      const Wide<real> share = weight * per, off = ratio - mean;
-      for (uint p = 0; p < 6; ++p) {
-        const Wide<real> weighted = share * phi[p];
-        normal.right[p] += weighted * off;
-        for (uint q = 0; q <= p; ++q) normal.m[at(p, q)] += weighted * phi[q];
-      }
-    });
+    for_each_kept<repeats>(k, part, own,
+                           [&](Wide<real> weight, const Wide3<real>& n, Wide<real> ratio, Wide<real>) {
+                             Wide<real> phi[6];
+                             directions<real>(phi, n);
+                             const Wide<real> share = weight * per, off = ratio - mean;
+                             for (uint p = 0; p < 6; ++p) {
+                               const Wide<real> weighted = share * phi[p];
+                               normal.right[p] += weighted * off;
+                               for (uint q = 0; q <= p; ++q) normal.m[at(p, q)] += weighted * phi[q];
+                             }
+                           });
     Wide<real> l[21], a[6] = {};
     normal.factorise(l);
     for (uint pass = 0; pass < FIT_PASSES; ++pass) normal.improve(l, a);
@@ -119,6 +120,12 @@ template <class real> void fluid_bond_fit(const kernels::fluid_bond_fit::View<re
       fit[1] = {mixed(4), mixed(5), low[lane], high[lane]};
     }
   }
+}
+
+} // namespace
+
+template <class real> void fluid_bond_fit(const kernels::fluid_bond_fit::View<real>& k) {
+  with_images(k, [&](auto repeats) { fits<repeats.value>(k); });
 }
 
 PLIANT_BODY(fluid_bond_fit)

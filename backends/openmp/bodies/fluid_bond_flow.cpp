@@ -5,8 +5,10 @@
 
 namespace pliant::openmp::PLIANT_ISA {
 
+namespace {
+
 // Both particles of a bond compute its length: no rounding may depend on whose list it is.
-template <class real> void fluid_bond_flow(const kernels::fluid_bond_flow::View<real>& k) {
+template <bool repeats, class real> PLIANT_INLINE void flow(const kernels::fluid_bond_flow::View<real>& k) {
   const Wide<real> one = Wide<real>{} + 1, least = spread(k.least_rest), largest = spread(k.largest_rest);
   const Wide<real> least_stretch = spread(real(0.05));
 #pragma omp parallel for schedule(static)
@@ -16,14 +18,13 @@ template <class real> void fluid_bond_flow(const kernels::fluid_bond_flow::View<
     Wide4<real> own{}, now{};
     if (k.plastic) own = gather<2>(k.fluid_flow + 1, part.index);
     if (k.spread) now = gather(k.fluid_place, part.index);
-    for (uint r = 0; r < k.near_count[first / 16]; ++r) {
-      const std::size_t entry = list_entry(k, part, r);
+    for_each_entry(k, k.near_rest, part, [&](std::size_t entry) {
       const uint* const others = k.near + entry;
       const Wide<real> old = load_wide(k.near_rest + entry);
       const WideMask<real> bonded = old > 0;
-      if (!bits<real>(bonded)) continue;
-      const Wide4<real> there = gather(k.fluid_before, others);
-      const Wide3<real> y = to_others(k, before, there);
+      if (!bits<real>(bonded)) return;
+      const Wide4<real> there = gather_near(k.fluid_before, others);
+      const Wide3<real> y = to_others<repeats>(k, before, there);
       const Wide<real> size = root_wide<real>(dot(y, y));
       Wide<real> rest = bonded ? old : one;
       if (k.plastic) {
@@ -40,7 +41,7 @@ template <class real> void fluid_bond_flow(const kernels::fluid_bond_flow::View<
         rest = flows ? flowed : rest;
       }
       if (k.spread) {
-        const Wide3<real> y_now = to_others(k, now, gather(k.fluid_place, others));
+        const Wide3<real> y_now = to_others<repeats>(k, now, gather_near(k.fluid_place, others));
         const Wide<real> size_now = root_wide<real>(dot(y_now, y_now));
         const Wide<real> followed = rest * (size_now / (size > least ? size : one));
         rest = (size > least) & (size_now != size) ? followed : rest;
@@ -50,8 +51,14 @@ template <class real> void fluid_bond_flow(const kernels::fluid_bond_flow::View<
       rest = bonded ? rest : old;
       // Lanes beyond the last particle of the part are the next part's.
       store_reals(k.near_rest + entry, part.count, rest);
-    }
+    });
   }
+}
+
+} // namespace
+
+template <class real> void fluid_bond_flow(const kernels::fluid_bond_flow::View<real>& k) {
+  with_images(k, [&](auto repeats) { flow<repeats.value>(k); });
 }
 
 PLIANT_BODY(fluid_bond_flow)

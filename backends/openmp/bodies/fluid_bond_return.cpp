@@ -5,22 +5,24 @@
 
 namespace pliant::openmp::PLIANT_ISA {
 
-template <class real> void fluid_bond_return(const kernels::fluid_bond_return::View<real>& k) {
+namespace {
+
+template <bool repeats, class real>
+PLIANT_INLINE void returns(const kernels::fluid_bond_return::View<real>& k) {
   const Wide<real> none{}, one = none + 1;
 #pragma omp parallel for schedule(static)
   for (uint first = 0; first < k.threads; first += lanes<real>) {
     const Part<real> part = make_part<real>(first, k.threads - first);
     const Wide4<real> start = gather(k.fluid_start, part.index), end = gather(k.fluid_place, part.index);
     StrainSums<real> sums;
-    for (uint r = 0; r < k.near_count[first / 16]; ++r) {
-      const std::size_t entry = list_entry(k, part, r);
+    for_each_entry(k, k.near_rest, part, [&](std::size_t entry) {
       const Wide<real> rest = load_wide(k.near_rest + entry);
       const WideMask<real> bonded = rest > 0;
-      const Wide3<real> from = to_others(k, start, gather(k.fluid_start, k.near + entry));
-      const Wide3<real> y = to_others(k, end, gather(k.fluid_place, k.near + entry));
+      const Wide3<real> from = to_others<repeats>(k, start, gather_near(k.fluid_start, k.near + entry));
+      const Wide3<real> y = to_others<repeats>(k, end, gather_near(k.fluid_place, k.near + entry));
       const Wide<real> x = bonded ? rest : one, weight = bond_weights(k, dot(from, from));
       add_strain(sums, bonded ? weight : none, Wide<real>((root_wide<real>(dot(y, y)) - x) / x));
-    }
+    });
     for (uint lane = 0; lane < part.count; ++lane) {
       const std::size_t i = std::size_t{first} + lane;
       const auto stay = k.fluid_stay[i];
@@ -54,6 +56,12 @@ template <class real> void fluid_bond_return(const kernels::fluid_bond_return::V
       if (k.measured) k.fluid_energy[i] = stored;
     }
   }
+}
+
+} // namespace
+
+template <class real> void fluid_bond_return(const kernels::fluid_bond_return::View<real>& k) {
+  with_images(k, [&](auto repeats) { returns<repeats.value>(k); });
 }
 
 PLIANT_BODY(fluid_bond_return)

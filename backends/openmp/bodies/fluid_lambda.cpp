@@ -76,6 +76,11 @@ template <bool warm, class real> PLIANT_INLINE void sweep(const kernels::fluid_l
       const Wide<real> stiffness =
           scale * scale * (dot(gradient, gradient) / place.w + sums.squares) + softness;
       change = -k.relaxation * (error < most ? error : most) / (stiffness * rest);
+      if (k.momentum > 0) { // not before: it may be anything
+        Wide<real> last;
+        for (uint lane = 0; lane < lanes<real>; ++lane) last[lane] = k.fluid_lambda[part.index[lane]].w;
+        change += k.momentum * last;
+      }
       change = change < -total ? change : -total;
     }
     change = moves ? change : none;

@@ -2,7 +2,7 @@
 #include "kernels/fluid_project.h"
 #include "backends/openmp/body.h"
 #include "backends/openmp/obstacle.h"
-#include "backends/openmp/simd.h"
+#include "backends/openmp/obstacle_wide.h"
 
 namespace pliant::openmp::PLIANT_ISA {
 
@@ -62,22 +62,6 @@ PLIANT_INLINE Vec3<real> pushed(const kernels::fluid_project::View<real>& k, uin
   return held > 0 ? push - (held / slid) * slide : push;
 }
 
-/// Whether an obstacle may be near one of a part's places.
-template <class real>
-PLIANT_INLINE bool may_touch(const kernels::fluid_project::View<real>& k, uint o, const Wide3<real>& y,
-                             WideMask<real> moves) {
-  const auto* rows = k.obstacle + OBSTACLE_ROWS * o;
-  const auto traits = rows[OBSTACLE_KIND], place = rows[OBSTACLE_CENTRE];
-  const Wide3<real> from{y.x - place.x, y.y - place.y, y.z - place.z};
-  WideMask<real> near = dot(from, from) <= place.w * place.w;
-  if (static_cast<int>(traits.x) == OBSTACLE_PLANE) {
-    const auto* axes = rows + OBSTACLE_AXES;
-    const Wide<real> along = from.x * axes[0].y + from.y * axes[1].y + from.z * axes[2].y;
-    near &= (traits.w > 0 ? -along : along) < real(1.001) * k.support; // a little more, for rounding
-  }
-  return bits<real>(near & moves) != 0;
-}
-
 } // namespace
 
 template <class real> void fluid_project(const kernels::fluid_project::View<real>& k) {
@@ -92,25 +76,27 @@ template <class real> void fluid_project(const kernels::fluid_project::View<real
       moved = {moves ? end.x - start.x : moved.x, moves ? end.y - start.y : moved.y,
                moves ? end.z - start.z : moved.z, moved.w};
     const Wide3<real> y{start.x + moved.x, start.y + moved.y, start.z + moved.z};
-    bool touched = false;
-    for (uint o = 0; o < k.obstacles && !touched; ++o) touched = may_touch(k, o, y, moves);
-    if (!touched) {
-      store(k.fluid_place + first, part.count,
-            Wide4<real>{moves ? y.x : end.x, moves ? y.y : end.y, moves ? y.z : end.z, end.w});
-      store(k.fluid_moved + first, part.count, moved);
-      store(k.fluid_wall + first, part.count, Wide4<real>{});
-      continue;
+    store(k.fluid_place + first, part.count,
+          Wide4<real>{moves ? y.x : end.x, moves ? y.y : end.y, moves ? y.z : end.z, end.w});
+    store(k.fluid_moved + first, part.count, moved);
+    store(k.fluid_wall + first, part.count, Wide4<real>{});
+    uint near = 0;
+    for (uint o = 0; o < k.obstacles; ++o) {
+      const auto* const rows = k.obstacle + OBSTACLE_ROWS * o;
+      const auto centre = rows[OBSTACLE_CENTRE];
+      near |=
+          bits<real>(moves & may_touch(rows, {y.x - centre.x, y.y - centre.y, y.z - centre.z}, k.support));
     }
-    for (uint lane = 0; lane < part.count; ++lane) {
+    for (; near; near &= near - 1) {
+      const auto lane = static_cast<uint>(__builtin_ctz(near));
+      if (lane >= part.count) break;
       const uint i = first + lane;
       Real4<real> wall{0, 0, 0, 0};
-      if (moves[lane]) {
-        const Vec3<real> began{start.x[lane], start.y[lane], start.z[lane]};
-        Vec3<real> since{moved.x[lane], moved.y[lane], moved.z[lane]};
-        for (uint o = 0; o < k.obstacles; ++o) since = since + pushed(k, o, began, since, wall);
-        k.fluid_place[i] = {began.x + since.x, began.y + since.y, began.z + since.z, end.w[lane]};
-        k.fluid_moved[i] = {since.x, since.y, since.z, moved.w[lane]};
-      }
+      const Vec3<real> began{start.x[lane], start.y[lane], start.z[lane]};
+      Vec3<real> since{moved.x[lane], moved.y[lane], moved.z[lane]};
+      for (uint o = 0; o < k.obstacles; ++o) since = since + pushed(k, o, began, since, wall);
+      k.fluid_place[i] = {began.x + since.x, began.y + since.y, began.z + since.z, end.w[lane]};
+      k.fluid_moved[i] = {since.x, since.y, since.z, moved.w[lane]};
       k.fluid_wall[i] = wall;
     }
   }

@@ -28,15 +28,42 @@ template <class real> void fluid_viscosity_begin(const kernels::fluid_viscosity_
       const Part<real> part = make_part<real>(first, k.threads - first);
       const Wide4<real> place = gather(k.fluid_place, part.index), v = gather(k.fluid_velocity, part.index);
       const Wide<real> mu = viscosity_of(v.w, place.w > 0);
-      Wide3<real> away{}; // from the walls
-      bool walls = false;
-      if (k.ghosts) {
-        const std::size_t begin = std::size_t{16} * k.rows * (first / 16) + first % 16;
-        for (uint r = 0; r < k.near_count[first / 16] && !walls; ++r)
-          for (uint lane = 0; lane < lanes<real>; ++lane)
-            walls |= k.fluid_place[k.near[begin + std::size_t{16} * r + lane]].w < 0;
-      }
-      if (walls) {
+      const Wide<real> per_mass = k.coupling / (place.w > 0 ? place.w : none + 1);
+      real* const first_rate = k.near_rate + (std::size_t{16} * k.rows * (first / 16) + first % 16);
+      Wide3<real> away{}, change{}; // away: from the walls
+      const auto sweep = [&](auto with_walls) {
+        constexpr bool walls = decltype(with_walls)::value;
+        real* rates = first_rate;
+        WideMask<real> ghosts{};
+        change = Wide3<real>{};
+        for_each_near(k, part, place, [&](const uint* neighbours, const Wide4<real>& d, WideMask<real> self) {
+          const Wide4<real> w = gather_near(k.fluid_velocity, neighbours);
+          Wide<real> both = mu;
+          if (k.mixed) {
+            const Wide<real> ghost_mu = d.w < 0 ? mu : none, theirs = ghost_mu + viscosity_of(w.w, d.w > 0);
+            const Wide<real> sum = mu + theirs;
+            both = 2 * mu * theirs / (sum > 0 ? sum : none + 1);
+          }
+          const Wide<real> share =
+              viscous_laplacian<Wide<real>>(root_wide<real>(d.x * d.x + d.y * d.y + d.z * d.z) * per_support);
+          Wide<real> rate = per_mass * both * share;
+          rate = self ? none : rate;
+          if constexpr (walls) {
+            Wide<real> reach = d.x * away.x + d.y * away.y + d.z * away.z - w.w;
+            reach = reach > k.least_distance ? reach : spread(k.least_distance);
+            const Wide<real> further = rate * ((reach + w.w) / reach);
+            rate = d.w < 0 ? further : rate;
+          } else {
+            ghosts |= d.w < 0;
+          }
+          rate = place.w > 0 ? rate : none;
+          store_reals(rates, lanes<real>, rate);
+          rates += 16;
+          change.x += rate * (w.x - v.x), change.y += rate * (w.y - v.y), change.z += rate * (w.z - v.z);
+        });
+        return bits<real>(ghosts) != 0;
+      };
+      if (sweep(std::false_type()) && k.ghosts) { // few are near a wall
         for_each_near(k, part, place, [&](const uint*, const Wide4<real>& d, WideMask<real>) {
           if (!bits<real>(d.w < 0)) return;
           const Wide<real> share =
@@ -46,33 +73,8 @@ template <class real> void fluid_viscosity_begin(const kernels::fluid_viscosity_
         });
         const Wide<real> far = root_wide<real>(dot(away, away)), per_far = 1 / (far > 0 ? far : none + 1);
         away.x *= per_far, away.y *= per_far, away.z *= per_far;
+        sweep(std::true_type());
       }
-      const Wide<real> per_mass = k.coupling / (place.w > 0 ? place.w : none + 1);
-      Wide3<real> change{};
-      real* rates = k.near_rate + (std::size_t{16} * k.rows * (first / 16) + first % 16);
-      for_each_near(k, part, place, [&](const uint* neighbours, const Wide4<real>& d, WideMask<real> self) {
-        const Wide4<real> w = gather(k.fluid_velocity, neighbours);
-        Wide<real> both = mu;
-        if (k.mixed) {
-          const Wide<real> ghost_mu = d.w < 0 ? mu : none, theirs = ghost_mu + viscosity_of(w.w, d.w > 0);
-          const Wide<real> sum = mu + theirs;
-          both = 2 * mu * theirs / (sum > 0 ? sum : none + 1);
-        }
-        const Wide<real> share =
-            viscous_laplacian<Wide<real>>(root_wide<real>(d.x * d.x + d.y * d.y + d.z * d.z) * per_support);
-        Wide<real> rate = per_mass * both * share;
-        rate = self ? none : rate;
-        if (walls && bits<real>(d.w < 0)) {
-          Wide<real> reach = d.x * away.x + d.y * away.y + d.z * away.z - w.w;
-          reach = reach > k.least_distance ? reach : spread(k.least_distance);
-          const Wide<real> further = rate * ((reach + w.w) / reach);
-          rate = d.w < 0 ? further : rate;
-        }
-        rate = place.w > 0 ? rate : none;
-        store_reals(rates, lanes<real>, rate);
-        rates += 16;
-        change.x += rate * (w.x - v.x), change.y += rate * (w.y - v.y), change.z += rate * (w.z - v.z);
-      });
       const Wide<real> mass = place.w > 0 ? place.w : none;
       store(k.fluid_residual + first, part.count, Wide4<real>{change.x, change.y, change.z, mass});
       const Wide<real> each = mass * (v.x * v.x + v.y * v.y + v.z * v.z);

@@ -1,7 +1,7 @@
 // The matrix of viscosity; see kernels/fluid_viscosity_product.decl.
 #include "kernels/fluid_viscosity_product.h"
 #include "backends/openmp/body.h"
-#include "backends/openmp/simd.h"
+#include "backends/openmp/near.h"
 #include "shaders/common/fluid_viscosity.glsl"
 
 namespace pliant::openmp::PLIANT_ISA {
@@ -20,7 +20,9 @@ template <class real> void fluid_viscosity_product(const kernels::fluid_viscosit
       const std::size_t begin = std::size_t{16} * k.rows * slice + first % 16;
       for (uint r = 0; r < k.near_count[slice]; ++r) {
         const std::size_t at = begin + std::size_t{16} * r;
-        const Wide4<real> other = gather(k.fluid_residual, k.near + at);
+        __builtin_prefetch(k.near + at + std::size_t{16} * k.rows); // the next slice, on a page of its own
+        __builtin_prefetch(k.near_rate + at + std::size_t{16} * k.rows);
+        const Wide4<real> other = gather_near(k.fluid_residual, k.near + at);
         const Wide<real> rate = load_wide(k.near_rate + at);
         w.x += rate * (u.x - other.x), w.y += rate * (u.y - other.y), w.z += rate * (u.z - other.z);
       }
