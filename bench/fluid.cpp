@@ -8,6 +8,8 @@
 #include "engine/solver/fluid.h"
 #include "engine/solver/simulation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -80,6 +82,12 @@ double middle(const std::vector<double>& sorted) {
 } // namespace
 
 int main(int count, char** arguments) {
+  if (count > 1 && arguments[1][0] == '-') {
+    fmt::print("fluid [THREADS [STEPS [WALL [PART]]]]: time of neighbour lists, density and forces of "
+               "fluids; WALL 0 "
+               "counts the processor's; PART is one of lists, density, honey\n");
+    return std::string(arguments[1]) == "--help" ? 0 : 2;
+  }
   const auto number = [&](int at, int otherwise) {
     return count > at ? std::atoi(arguments[at]) : otherwise;
   };

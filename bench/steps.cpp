@@ -127,6 +127,12 @@ void measure(const Case& one, const std::string& folder, unsigned threads, int s
 } // namespace
 
 int main(int count, char** arguments) {
+  if (count > 1 && arguments[1][0] == '-') {
+    fmt::print(
+        "steps [FOLDER [THREADS [STEPS [SCENE]]]]: milliseconds a step of honey, two-bunnies and dripping in "
+        "FOLDER, examples unless given; two threads, medians of nine steps\n");
+    return std::string(arguments[1]) == "--help" ? 0 : 2;
+  }
   const auto number = [&](int at, int otherwise) {
     return count > at ? std::atoi(arguments[at]) : otherwise;
   };

@@ -74,6 +74,7 @@ public:
     report_.particles = model_.count();
     report_.bonds = model_.bonds.count();
     report_.iterations = scene_.solver.fixed_iterations ? options_.iterations : 0;
+    report_.tolerance = scene_.solver.tolerance;
     options_.say(fmt::format("{}: {} particles, {} bonds; {} steps {}, stretches of {}", scene_.name,
                              report_.particles, report_.bonds, options_.steps,
                              report_.iterations > 0 ? fmt::format("of {} iterations", report_.iterations)

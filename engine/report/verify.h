@@ -84,6 +84,7 @@ struct VerifyReport {
   std::string scene;
   std::size_t particles = 0, bonds = 0;
   unsigned iterations = 0;    ///< of a step; 0: each is solved
+  double tolerance = 0;       ///< then, of its relative residual
   std::vector<Pair> pairs;    ///< judged
   std::vector<Pair> unbroken; ///< reported
   std::vector<Hashes> run_to_run, threads;
