@@ -52,9 +52,10 @@ void add_verify(CLI::App& program, Action& action) {
       ->type_name("N")
       ->check(CLI::Range(1u, 1'000'000u).description(""));
   command
-      ->add_option("--iterations", options->verify.iterations,
-                   "of each step, whatever its residual; a scene that names newton, lbfgs or direct, "
-                   "or has viscoelastic matter, has its steps solved instead")
+      ->add_option(
+          "--iterations", options->verify.iterations,
+          "of each step, whatever its residual; 200 or more of viscoelastic matter; a scene that names "
+          "newton, lbfgs or direct has its steps solved instead")
       ->capture_default_str()
       ->type_name("N")
       ->check(CLI::Range(1u, 1'000'000u).description(""));

@@ -64,7 +64,7 @@ public:
       BufferStorage* const twin = buffer ? twin_of(buffer) : nullptr;
       if (buffer) copy_across(*device_, buffer, *reference_, twin);
       if (buffer && is_output(field)) reference_->copy(twin, twin_of(buffer, before_));
-      std::memcpy(reinterpret_cast<char*>(twin_args.data()) + field.offset, &twin, sizeof twin);
+      std::memcpy(reinterpret_cast<char*>(twin_args.data()) + field.offset, &twin, sizeof(void*));
     }
     device_->dispatch(kernel, args);
     reference_->dispatch(kernel, twin_args.data());
@@ -102,7 +102,7 @@ private:
   }
   static BufferStorage* argument(const Field& field, const void* args) {
     BufferStorage* buffer = nullptr;
-    std::memcpy(&buffer, static_cast<const char*>(args) + field.offset, sizeof buffer);
+    std::memcpy(&buffer, static_cast<const char*>(args) + field.offset, sizeof(void*));
     return buffer;
   }
 

@@ -19,6 +19,8 @@ constexpr double softness_share = 0.01;
 // reach |grad rho| / rho_0 of a particle at a surface; on a half lattice it is about 1.6, inside a shaken one
 // below this.
 constexpr double surface_share = 0.2;
+// Of the reach, that lists of matter with bonds see further.
+constexpr double bonded_margin = 0.1;
 // Cells are a little wider than the reach, so that rounding cannot part two particles by two cells.
 constexpr double cell_slack = 1.001;
 constexpr std::uint32_t fewest_cells = 4096;
@@ -123,6 +125,9 @@ FluidModel fluid_model(const Scene& scene, const Model& model) {
   fluid.spacing = model.spacing;
   fluid.places = (fluid.sorted() + slice_width - 1) / slice_width * slice_width;
   fluid.reach = scene.fluid.horizon * model.spacing;
+  const bool bonded = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                  [](const Material& material) { return material.bonded(); });
+  fluid.list_reach = (bonded ? 1 + bonded_margin : 1) * fluid.reach;
   fluid.smoothing = {fluid.reach, static_cast<int>(model.dimension)};
   fluid.wall_share = wall_share(fluid.smoothing, model.spacing);
   std::vector<std::uint32_t> index(scene.materials.size(), 0);
@@ -136,8 +141,9 @@ FluidModel fluid_model(const Scene& scene, const Model& model) {
                                              scene.file.string(), fluid.constants.size(), FLUIDS));
   for (std::uint32_t i = fluid.first; i < fluid.first + fluid.count; ++i)
     fluid.kind.push_back(model.body[i] | index[model.material[i]] << FLUID_KIND_SHIFT);
-  fluid.lattice = lattice_of(scene, model, fluid.reach, fluid.count);
-  const double around = fluid.smoothing.lattice_sum(model.spacing, [](double) { return 1; }) - 1;
+  fluid.lattice = lattice_of(scene, model, fluid.list_reach, fluid.count);
+  const Smoothing listed{fluid.list_reach, fluid.smoothing.dimension};
+  const double around = listed.lattice_sum(model.spacing, [](double) { return 1; }) - 1;
   const auto room = static_cast<std::uint32_t>(std::ceil(crowding * around / 8) * 8);
   fluid.rows = scene.fluid.neighbours.value_or(model.dimension == 2 ? room + 8 : room);
   return fluid;

@@ -36,6 +36,10 @@ struct FluidModel {
   std::uint32_t first = 0, count = 0, places = 0; ///< particles; places: a multiple of 16
   Smoothing smoothing;
   double reach = 0; ///< m: the smoothing functions' support
+  /// m: within which places are listed. Of matter with bonds, which turns back in a step what its momentum
+  /// would do, a little more: who comes within the reach in the step is felt from there on, whether or not a
+  /// rounding listed it.
+  double list_reach = 0;
   FluidLattice lattice;
   /// Of the cubic spline's integral beyond a wall: with it a lattice that begins half a spacing from the wall
   /// is as dense there as inside.

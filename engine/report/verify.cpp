@@ -73,8 +73,7 @@ public:
     report_.scene = scene_.name;
     report_.particles = model_.count();
     report_.bonds = model_.bonds.count();
-    report_.iterations = scene_.solver.fixed_iterations ? options_.iterations : 0;
-    report_.tolerance = scene_.solver.tolerance;
+    report_.iterations = scene_.solver.fixed_iterations ? scene_.solver.iterations : 0;
     options_.say(fmt::format("{}: {} particles, {} bonds; {} steps {}, stretches of {}", scene_.name,
                              report_.particles, report_.bonds, options_.steps,
                              report_.iterations > 0 ? fmt::format("of {} iterations", report_.iterations)
@@ -274,6 +273,12 @@ unsigned stretch_length(const VerifyOptions& options, const Scene& scene) {
   return options.every > 0 ? options.every : scene.flows() ? 5 : 10;
 }
 
+unsigned verify_iterations(const VerifyOptions& options, const Scene& scene) {
+  const bool bonded = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                  [](const Material& material) { return material.bonded(); });
+  return std::max(options.iterations, bonded ? verify_bonded : 0u);
+}
+
 unsigned judged_steps(const std::vector<double>& growth) {
   std::size_t steps = growth.size();
   while (steps > 1 && !(growth[steps - 1] <= verify_growth)) --steps;
@@ -308,14 +313,11 @@ VerifyReport verify_scene(Scene scene, const VerifyOptions& options) {
                             options.steps, every));
   std::string& method = scene.solver.method;
   if (method == "auto") method = "chebyshev"; // sweeps without a decision between them
-  const bool bonded = std::any_of(scene.materials.begin(), scene.materials.end(),
-                                  [](const Material& material) { return material.bonded(); });
-  scene.solver.fixed_iterations = method != "newton" && method != "lbfgs" && method != "direct" && !bonded;
+  scene.solver.fixed_iterations = method != "newton" && method != "lbfgs" && method != "direct";
   if (scene.solver.fixed_iterations) {
-    scene.solver.iterations = options.iterations;
+    scene.solver.iterations = verify_iterations(options, scene);
   } else {
-    scene.solver.tolerance = bonded ? verify_bonded_tolerance : verify_tolerance;
-    if (bonded) scene.solver.iterations = std::max(scene.solver.iterations, verify_cap);
+    scene.solver.tolerance = verify_tolerance;
     scene.solver.energy_tolerance.reset();
   }
   return Verification(scene, options).run();

@@ -70,9 +70,9 @@ std::string verify_text(const VerifyReport& r) {
       fmt::format("scene {}: {} particles, {} bonds; {}\n\n", r.scene, r.particles, r.bonds,
                   r.iterations > 0 ? fmt::format("{} iterations a step", r.iterations)
                                    : fmt::format("each step solved, to a residual of {:.0e} or the floor of "
-                                                 "its precision: one cut off on its way ends elsewhere "
-                                                 "for one rounding",
-                                                 r.tolerance));
+                                                 "its precision: a line search cut off on its way ends "
+                                                 "elsewhere for one rounding",
+                                                 verify_tolerance));
   text += fmt::format(
       "Largest differences after stretches from the same state (limit {:.0e}; position by the body's size, "
       "velocity by the largest speed)\n",

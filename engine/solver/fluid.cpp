@@ -188,7 +188,7 @@ void Fluid::find(double step) {
   device_.run(gather);
   forces_->gather_ghosts();
   kernels::near_find::Args near{.threads = places, .places = places, .rows = plan_.model.rows};
-  near.reach = plan_.model.reach;
+  near.reach = plan_.model.list_reach;
   in_lattice(near);
   in_period(near);
   near.cell_begin = buffer("near_cell_begin");

@@ -15,7 +15,7 @@ VerifyReport verified_clay(unsigned steps) {
   VerifyOptions options;
   options.steps = steps;
   options.kernels = false;
-  const VerifyReport report = verify_scene(clay, options);
+  VerifyReport report = verify_scene(clay, options);
   std::fputs(verify_text(report).c_str(), stdout);
   return report;
 }

@@ -1,5 +1,5 @@
 // Where the places of a fluid count from: floats have most digits near there.
-#include "tests/support/fluids.h"
+#include "tests/support/viscoelastic.h"
 
 #include <gtest/gtest.h>
 
@@ -32,6 +32,19 @@ TEST(FluidPlaces, MoveWithTheScene) {
     const Stage there = moved_stage(by);
     EXPECT_EQ(fluid_model(there.scene, there.model).lattice.base, base + by);
   }
+}
+
+// Only matter with bonds, which a step may turn back, is listed beyond the reach.
+TEST(FluidPlaces, AreListedALittleBeyondTheReachWhereTheyAreBonded) {
+  const Points points = lattice(5, 5, 5, spacing);
+  const Stage water = fluid_stage(points, spacing, 1. / 600);
+  const FluidModel plain = fluid_model(water.scene, water.model);
+  EXPECT_EQ(plain.list_reach, plain.reach);
+  const Stage clay = bonded_stage(points, spacing, 1. / 600, viscoelastic(1e5, 0.3));
+  const FluidModel bonded = fluid_model(clay.scene, clay.model);
+  EXPECT_NEAR(bonded.list_reach, 1.1 * bonded.reach, 1e-12);
+  EXPECT_GE(bonded.lattice.edge.minCoeff(), bonded.list_reach);
+  EXPECT_GT(bonded.rows, plain.rows);
 }
 
 // Images lie within a period and a half of a cell's middle, which counts from where the domain begins.
