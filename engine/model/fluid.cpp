@@ -125,8 +125,9 @@ FluidModel fluid_model(const Scene& scene, const Model& model) {
   fluid.spacing = model.spacing;
   fluid.places = (fluid.sorted() + slice_width - 1) / slice_width * slice_width;
   fluid.reach = scene.fluid.horizon * model.spacing;
-  const bool bonded = std::any_of(scene.materials.begin(), scene.materials.end(),
-                                  [](const Material& material) { return material.bonded(); });
+  const auto own = model.material.begin() + fluid.first;
+  const bool bonded = std::any_of(own, own + fluid.count,
+                                  [&](std::uint32_t material) { return scene.materials[material].bonded(); });
   fluid.list_reach = (bonded ? 1 + bonded_margin : 1) * fluid.reach;
   fluid.smoothing = {fluid.reach, static_cast<int>(model.dimension)};
   fluid.wall_share = wall_share(fluid.smoothing, model.spacing);

@@ -147,6 +147,10 @@ Method choose_method(const Scene& scene, const Model& model) {
       if (eta > worth_a_matrix && flat)
         method.reason += std::string(method.reason.empty() ? "" : "; ") + method.preconditioner +
                          ", since coarse elements do not bend as sheets do";
+      else if (eta > worth_a_matrix && creeps && !factor)
+        method.reason +=
+            std::string(method.reason.empty() ? "" : "; ") +
+            "diagonal, since coarse levels lead it past saddles of a law that stiffens with stretch";
     }
   }
   return method;

@@ -40,6 +40,9 @@ TEST(FluidPlaces, AreListedALittleBeyondTheReachWhereTheyAreBonded) {
   const Stage water = fluid_stage(points, spacing, 1. / 600);
   const FluidModel plain = fluid_model(water.scene, water.model);
   EXPECT_EQ(plain.list_reach, plain.reach);
+  Stage unused = water; // a material that nothing is made of
+  unused.scene.materials.push_back(viscoelastic(1e5, 0.3));
+  EXPECT_EQ(fluid_model(unused.scene, unused.model).list_reach, plain.list_reach);
   const Stage clay = bonded_stage(points, spacing, 1. / 600, viscoelastic(1e5, 0.3));
   const FluidModel bonded = fluid_model(clay.scene, clay.model);
   EXPECT_NEAR(bonded.list_reach, 1.1 * bonded.reach, 1e-12);
