@@ -8,8 +8,8 @@ void main() {
   float mass = fluid_place[i].w;
   vec4 v = fluid_velocity[i], u = vec4(0.0);
   uvec4 was = fluid_was[i];
-  bool moves = mass > 0.0, bonds = moves && was.y != 0u;
-  if (moves) u.xyz = time_step * v.xyz;
+  bool moves = mass > 0.0, bonds = mass != 0.0 && was.y != 0u && was.y != FAMILY_GHOST;
+  if (moves || bonds) u.xyz = time_step * v.xyz;
   float k = bonds ? fluid_elastic[ELASTIC_ROWS * uint(v.w) + ELASTIC_BONDS].x : 0.0;
   fluid_target[i] = vec4(u.xyz, moves ? mass / (time_step * time_step) : -1.0);
   fluid_displacement[i] = u;

@@ -1,5 +1,6 @@
 // Rest lengths at the end of a step; see kernels/fluid_bond_flow.decl. Both particles of a bond compute them: no rounding may
 // depend on whose list it is.
+#include "common/fluid_bond.glsl"
 #include "common/near.glsl"
 
 void main() {
@@ -18,7 +19,7 @@ void main() {
     precise vec3 y = shortest(there.xyz - before, period);
     precise float size = sqrt((y.x * y.x + y.y * y.y) + y.z * y.z);
 #if plastic
-    vec4 other = there.w < 0.0 ? own : fluid_flow[2u * j + 1u];
+    vec4 other = there.w < 0.0 && fluid_was[j].y == FAMILY_GHOST ? own : fluid_flow[2u * j + 1u];
     if (own.y < 1.0 || own.z < 1.0 || other.y < 1.0 || other.z < 1.0) {
       precise float strain = (size - rest) / rest;
       precise float by_own = own.y * own.x + own.z * (strain - own.x);

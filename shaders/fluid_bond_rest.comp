@@ -1,4 +1,5 @@
 // Rest lengths of new bonds; see kernels/fluid_bond_rest.decl.
+#include "common/fluid_bond.glsl"
 #include "common/near.glsl"
 
 // |X|^2 / |Y|^2 that an end finds along y; the same for -y.
@@ -23,7 +24,7 @@ void main() {
     precise vec3 y = shortest(fluid_start[j].xyz - yi, period);
     precise float size2 = (y.x * y.x + y.y * y.y) + y.z * y.z, rest = least_rest;
     if (size2 > least_rest * least_rest) {
-      precise float own = ratio_of(i, y), other = fluid_place[j].w < 0.0 ? own : ratio_of(j, y);
+      precise float own = ratio_of(i, y), other = fluid_was[j].y == FAMILY_GHOST ? own : ratio_of(j, y);
       rest = max(sqrt(size2 * (0.5 * (own + other))), least_rest);
     }
     near_rest[entry] = rest;

@@ -10,20 +10,23 @@ void main() {
   uint k = thread_index();
   if (k >= threads) return;
   vec4 place = fluid_place[k];
-  if (!(place.w > 0.0)) return; // removed before, or a ghost
   uint i = fluid_particle[k];
-  vec3 v = fluid_velocity[k].xyz;
+  if (i >= particle_count || place.w == 0.0) return; // a ghost, or removed before
+  vec4 v = vec4(fluid_velocity[k].xyz, 0.0);
+  if (place.w > 0.0) v.w = min(fluid_total[k], 0.0) / (time_step * time_step);
+  else v.w = max(velocity[i].w - time_step, 0.0);
+  place.w = abs(place.w);
 #if bounded
   bool lost = outside(place.x, low_x, high_x, period_x) || outside(place.y, low_y, high_y, period_y) ||
               outside(place.z, low_z, high_z, period_z);
   bool finite = !any(isnan(place.xyz)) && !any(isinf(place.xyz)); // what is not is another fault
   if (lost && finite) {
     place.w = 0.0;
-    v = vec3(0.0);
+    v = vec4(0.0);
   }
   place.xyz = vec3(inside(place.x, low_x, period_x), inside(place.y, low_y, period_y), inside(place.z, low_z, period_z));
 #endif
   vec3 body = origin[fluid_kind[i] & FLUID_BODY].xyz - vec3(base_x, base_y, base_z);
   position[i] = vec4(place.xyz - body, place.w);
-  velocity[i] = vec4(v, fluid_total[k] / (time_step * time_step));
+  velocity[i] = v;
 }

@@ -10,8 +10,10 @@ void main() {
     uint kind = fluid_kind[i];
     vec4 old = position[i], before = velocity[i];
     y = vec4((origin[kind & FLUID_BODY].xyz - vec3(base_x, base_y, base_z)) + old.xyz, before.w);
-    v = vec4(before.xyz + time_step * vec3(gravity_x, gravity_y, gravity_z), float(kind >> FLUID_KIND_SHIFT));
-    if (old.w != 0.0) at = vec4(y.xyz + time_step * v.xyz, old.w);
+    bool held = before.w > FLUID_HELD * time_step;
+    v = vec4(before.xyz, float(kind >> FLUID_KIND_SHIFT));
+    if (!held) v.xyz += time_step * vec3(gravity_x, gravity_y, gravity_z);
+    if (old.w != 0.0) at = vec4(y.xyz + time_step * v.xyz, held ? -old.w : old.w);
   }
   fluid_place[place] = at;
   fluid_velocity[place] = v;

@@ -22,7 +22,7 @@ void main() {
     gradient += mass * slope;
     squares += max(other.w, 0.0) * dot(slope, slope);
   }
-  uint row = FLUID_ROWS * uint(fluid_velocity[i].w);
+  uint row = FLUID_ROWS * uint(max(fluid_velocity[i].w, 0.0)); // a ghost has none
   vec4 limits = fluid_material[row + FLUID_LIMITS];
   float rest = fluid_material[row + FLUID_TRAITS].x, error = value_scale * sum / rest - 1.0;
 #if walls
@@ -45,7 +45,12 @@ void main() {
     float stiffness = scale * scale * (dot(gradient, gradient) / place.w + squares) + limits.x;
     change = -relaxation * min(error, limits.y) / (stiffness * rest);
     if (momentum > 0.0) change += momentum * fluid_lambda[i].w; // not before: it may be anything
-    change = min(change, -total);
+    float most = 0.0;
+#if pulls
+    float inside = clamp(4.0 - 4.0 * slope_scale * length(gradient) / limits.z, 0.0, 1.0);
+    most = step2 * limits.w * place.w * inside * clamp(4.0 * error + 2.0, 0.0, 1.0);
+#endif
+    change = min(change, most - total);
   }
   fluid_total[i] = total + change;
 #endif

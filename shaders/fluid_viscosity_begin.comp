@@ -40,8 +40,8 @@ void main() {
         rate = coupling * both * viscous_laplacian(length(d) / support) / place.w;
 #if ghosts
         if (other.w < 0.0) {
-          float reach = max(dot(d, away) - w.w, least_distance);
-          rate *= (reach + w.w) / reach;
+          float depth = max(-w.w, 0.0), reach = max(dot(d, away) - depth, least_distance);
+          rate *= (reach + depth) / reach;
         }
 #endif
       }

@@ -13,7 +13,7 @@ void main() {
   bool mine = i < places;
   vec4 own = mine ? fluid_place[i] : vec4(0.0);
   uint slice = i / 16u, first = 16u * rows * slice + i % 16u, count = 0u, lost = 0u;
-  if (own.w > 0.0) {
+  if (own.w > 0.0 || (own.w < 0.0 && fluid_particle[i] < particle_count)) {
     uvec3 cells = uvec3(cells_x, cells_y, cells_z);
     vec3 period = vec3(period_x, period_y, period_z);
     uint x = wrapped(lattice_coordinate(own.x, per_cell_x), cells.x);

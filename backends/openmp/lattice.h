@@ -2,6 +2,7 @@
 #pragma once
 
 #include "backends/openmp/math.h"
+#include "shaders/common/fluid.glsl"
 
 namespace pliant::openmp::PLIANT_ISA {
 
@@ -29,14 +30,20 @@ template <class View> PLIANT_INLINE uint lattice_number(const View& k, LatticeCe
   return (cell.z * k.cells_y + cell.y) * k.cells_x + cell.x;
 }
 
-/// Where free flight takes a particle, y + h (v + h g), and that velocity.
-template <class real> struct Flight { Vec3<real> start, place, velocity; };
+/// Where free flight takes a particle, y + h (v + h g), and that velocity; y + h v in a nozzle.
+template <class real> struct Flight {
+  Vec3<real> start, place, velocity;
+  bool held;
+};
 template <class View, class real>
 PLIANT_INLINE Flight<real> free_flight(const View& k, const Real4<real>& position,
                                        const Real4<real>& velocity, const Real4<real>& origin) {
   Flight<real> flight;
   flight.start = (xyz(origin) - Vec3<real>{k.base_x, k.base_y, k.base_z}) + xyz(position);
-  flight.velocity = xyz(velocity) + k.time_step * Vec3<real>{k.gravity_x, k.gravity_y, k.gravity_z};
+  flight.held = velocity.w > real(FLUID_HELD) * k.time_step;
+  flight.velocity = xyz(velocity);
+  if (!flight.held)
+    flight.velocity = flight.velocity + k.time_step * Vec3<real>{k.gravity_x, k.gravity_y, k.gravity_z};
   flight.place = flight.start + k.time_step * flight.velocity;
   return flight;
 }

@@ -111,6 +111,7 @@ std::vector<Emission> nozzles(const Scene& scene) {
     one.velocity = emitter.speed * emitter.direction;
     one.start = emitter.start, one.stop = emitter.stop;
     one.period = scene.simulation.spacing / emitter.speed;
+    one.held = scene.fluid.horizon * one.period;
     if (emitter.stop < 1e300) one.most = one.layers(emitter.stop) * one.point.size();
     if (emitter.particles) one.most = std::min<std::uint64_t>(one.most, *emitter.particles);
     all.push_back(std::move(one));

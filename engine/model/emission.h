@@ -5,7 +5,12 @@
 //      . . . . .   nozzle, of `point`s          layer k is born at start + k spacing / speed
 //      . . . . .   one spacing on               and counts in every step that ends after that
 //      . . . . .   |  velocity
-//                  v
+//     -----------  v                            as far as the horizon from the nozzle a layer is held: it goes
+//      . . . . .                                on at its speed, whatever pulls at it; then it is free
+//
+// What falls away faster than it comes, as honey does, hangs from the layers that are held, and thins; it
+// tears where its material does. Free from the start, it would leave the nozzle by more than the horizon
+// before the next layer is born, and fall apart into blocks.
 //
 // Particles that are yet to be born are in the model from the start, as many as there may be at once: each
 // emitter is a body of its own behind those of the scene. Where nothing leaves the scene, who gets how many
@@ -25,6 +30,7 @@ struct Emission {
   Vector3 velocity = Vector3::Zero(); ///< m/s
   double start = 0, stop = 0;         ///< s
   double period = 0;                  ///< s, from layer to layer
+  double held = 0;                    ///< s, from a layer's birth on
   std::uint64_t most = UINT64_MAX;    ///< particles that it ever emits
 
   /// Layers born before `time`, s; no fewer at a later one.

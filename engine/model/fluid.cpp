@@ -42,6 +42,7 @@ FluidConstants constants_of(const Material& material, const Smoothing& smoothing
   });
   c.softness = softness_share * mass * squares / (c.rest * c.rest);
   c.edge = surface_share * c.rest / smoothing.support;
+  c.strength = material.tensile_strength / (c.rest * c.rest);
   return c;
 }
 

@@ -22,6 +22,7 @@ struct FluidConstants {
   double redistribution = 0, surface_tension = 0;
   double softness = 0; ///< 1/(kg m^2)
   double edge = 0;     ///< kg/m^(d+1): a steeper density is a surface's
+  double strength = 0; ///< tensile, over the square of `rest`, Pa m^2d / kg^2
 };
 
 struct FluidLattice {

@@ -94,6 +94,7 @@ struct Material {
   double viscosity = 0;       ///< Pa s
   double redistribution = 0;  ///< 0 to 1: how strongly particles spread evenly
   double surface_tension = 0; ///< pull on particles of the surface, dimensionless
+  double tensile_strength = 0; ///< Pa: pressure below none that its inside bears
   bool fluid() const { return model == "fluid" || bonded(); }
   // Model "viscoelastic": a fluid whose particles are bonded to the neighbours they have now.
   std::optional<double> relaxation_time; ///< s, of the deviatoric stress; nothing: it stays

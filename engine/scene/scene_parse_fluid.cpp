@@ -15,7 +15,7 @@ constexpr const char* elastic_keys[] = {
     "poisson", "split", "inversion", "fracture_energy", "critical_stretch", "plastic"};
 /// Of those, what bonds between neighbours of now have too.
 constexpr const char* bond_keys[] = {"young", "poisson", "plastic"};
-constexpr const char* fluid_keys[] = {"viscosity", "redistribution", "surface_tension"};
+constexpr const char* fluid_keys[] = {"viscosity", "redistribution", "surface_tension", "tensile_strength"};
 /// Of bodies: what only bonds can do.
 constexpr const char* solid_keys[] = {"fixed",  "moved", "loaded",    "cut",     "deformed",
                                       "deform", "start", "thickness", "horizon", "self_contact"};
@@ -113,7 +113,7 @@ void check_fluid(const TomlValue& value, Material& material, const std::string& 
                                  [key](const char* bond) { return std::string_view(bond) == key; })))
         findings.add(entry->key_where,
                      fmt::format("{}.{} is one of elastic materials; model = \"{}\" has density, viscosity, "
-                                 "redistribution, surface_tension{} and color",
+                                 "redistribution, surface_tension, tensile_strength{} and color",
                                  path, key, material.model,
                                  material.bonded() ? ", young, poisson, plastic, relaxation_time" : ""));
     if (material.bonded())

@@ -63,7 +63,7 @@ Fluid::Fluid(Device& device, const Scene& scene, const Model& model, const Plan&
   for (std::size_t m = 0; m < plan_.model.constants.size(); ++m) {
     const FluidConstants& c = plan_.model.constants[m];
     rows[FLUID_ROWS * m + FLUID_TRAITS] = {c.rest, c.viscosity, c.redistribution, c.surface_tension};
-    rows[FLUID_ROWS * m + FLUID_LIMITS] = {c.softness, largest_error, c.edge, 0};
+    rows[FLUID_ROWS * m + FLUID_LIMITS] = {c.softness, largest_error, c.edge, c.strength};
   }
   device_.upload(buffer("fluid_material"), rows);
   forces_ = std::make_unique<FluidForces>(device_, scene_, *this, origin_);
@@ -187,12 +187,13 @@ void Fluid::find(double step) {
   gather.fluid_start = buffer("fluid_start");
   device_.run(gather);
   forces_->gather_ghosts();
-  kernels::near_find::Args near{.threads = places, .places = places, .rows = plan_.model.rows};
+  kernels::near_find::Args near{.threads = places, .places = places, .rows = plan_.model.rows, .particle_count = n};
   near.reach = plan_.model.list_reach;
   in_lattice(near);
   in_period(near);
   near.cell_begin = buffer("near_cell_begin");
   near.fluid_place = buffer("fluid_place");
+  near.fluid_particle = buffer("fluid_particle");
   near.near_count = buffer("near_count");
   near.near = buffer("near");
   near.left_out = buffer("near_left_out");
@@ -273,6 +274,8 @@ void Fluid::density(double step) {
     kernels::fluid_lambda::Args args = lambda_args(*this);
     in_period(args);
     args.warm = k == 0;
+    args.pulls = plan_.pulls && k > 0;
+    args.step2 = step * step;
     // Chebyshev's semi-iteration (Wang 2015).
     if (k > 1) omega = k == 2 ? 2 / (2 - radius2) : 4 / (4 - radius2 * omega);
     args.relaxation = omega * relaxation;
@@ -316,6 +319,7 @@ void Fluid::finish(double step) {
   const FluidLattice& lattice = plan_.model.lattice;
   const Vector3 low = scene_.domain.low - lattice.base, high = scene_.domain.high - lattice.base;
   kernels::fluid_finish::Args args{.threads = plan_.model.sorted(), .bounded = scene_.domain.given};
+  args.particle_count = plan_.model.count;
   args.time_step = step;
   args.base_x = base_.x(), args.base_y = base_.y(), args.base_z = base_.z();
   args.low_x = low.x(), args.low_y = low.y(), args.low_z = low.z();

@@ -49,6 +49,7 @@ struct FluidPlan {
   FluidFlowPlan flow;
   bool walls = false;  ///< obstacles
   bool meshes = false; ///< one of them is a distance grid
+  bool pulls = false;  ///< a fluid has a tensile strength
   std::uint32_t cells = 0, chunks = 0;
   std::vector<BufferSpec> buffers;
   std::vector<KernelSpec> kernels;

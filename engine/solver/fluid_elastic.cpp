@@ -195,7 +195,7 @@ void FluidElastic::carry() {
   kernels::fluid_bond_rest::Args rest;
   in_space(rest);
   rest.least_rest = least_rest * model.spacing;
-  rest.fluid_place = buffer("fluid_place");
+  rest.fluid_was = buffer("fluid_was");
   rest.fluid_start = buffer("fluid_start");
   rest.fluid_fit = buffer("fluid_fit");
   device_.run(rest);
@@ -374,6 +374,7 @@ void FluidElastic::flow() {
   args.fluid_before = fluid_.buffer(plan.forces.spread ? "fluid_before" : "fluid_place");
   args.fluid_place = fluid_.buffer("fluid_place");
   args.fluid_flow = fluid_.buffer("fluid_flow");
+  args.fluid_was = fluid_.buffer("fluid_was");
   device_.run(args);
 }
 

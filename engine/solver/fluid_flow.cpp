@@ -173,9 +173,9 @@ void FluidFlow::end_step(const FluidBirths& births, double end) {
   device_.enter("emitters");
   for (const FluidBirths::Layer& layer : births.layers) {
     const Emission& one = emissions_[layer.emitter];
-    const double age = end - layer.born;
-    const Vector3 fall = age * scene_.simulation.gravity;
-    const Vector3 flown = age * (one.velocity + fall / 2), velocity = one.velocity + fall;
+    const double age = end - layer.born, free = std::max(age - one.held, 0.0);
+    const Vector3 fall = free * scene_.simulation.gravity;
+    const Vector3 flown = age * one.velocity + free / 2 * fall, velocity = one.velocity + fall;
     device_.upload(fluid_.buffer("emitter_slot"), layer.slot);
     device_.run(kernels::fluid_emit::Args{.threads = static_cast<std::uint32_t>(layer.slot.size()),
                                           .emitter = static_cast<std::uint32_t>(layer.emitter),
@@ -183,6 +183,7 @@ void FluidFlow::end_step(const FluidBirths& births, double end) {
                                           .flown_x = flown.x(),
                                           .flown_y = flown.y(),
                                           .flown_z = flown.z(),
+                                          .held = std::max(one.held - age, 0.0),
                                           .speed_x = velocity.x(),
                                           .speed_y = velocity.y(),
                                           .speed_z = velocity.z(),

@@ -4,7 +4,7 @@
 //   make_room   before the step: which particles its layers get. Those never used first; once they are
 //               spent, positions are read back, and whoever has no mass is free, in the order of particles
 //   end_step    sinks take out what is in them, then the layers are born where they would be by now: at the
-//               nozzle, plus what they have flown and fallen since
+//               nozzle, plus what they have flown since, and fallen since it let go of them
 //
 // Who is born when depends on the scene and the time alone, who gets which particle on the state before the
 // step: so steps are the same bit for bit on any number of threads, after a checkpoint, and when taken again.

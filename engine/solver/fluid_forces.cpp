@@ -160,7 +160,7 @@ void FluidForces::move_ghosts(double begin, double end) {
     for (int a = 0; a < 3; ++a) // distances look for images in the next period only
       if (period[a] > 0) at[a] -= period[a] * std::floor(at[a] / period[a]);
     place.push_back({at.x(), at.y(), at.z(), released(motion, end) ? 0 : -ghost_mass_});
-    velocity.push_back({v.x(), v.y(), v.z(), ghost.depth});
+    velocity.push_back({v.x(), v.y(), v.z(), -ghost.depth});
   }
   device_.upload(fluid_.buffer("ghost_place"), place);
   device_.upload(fluid_.buffer("ghost_velocity"), velocity);

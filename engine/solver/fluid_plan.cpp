@@ -29,6 +29,7 @@ FluidPlan plan_fluid(const Scene& scene, const Model& model, bool statistics) {
   const std::size_t n = plan.model.count, places = plan.model.places, sorted = plan.model.sorted();
   if (n == 0) return plan;
   plan.walls = !scene.boundaries.empty();
+  for (const FluidConstants& c : plan.model.constants) plan.pulls = plan.pulls || c.strength > 0;
   std::string component;
   const auto buffer = [&](const char* name, Type type, std::size_t count) {
     plan.buffers.push_back({name, type, count, component});
@@ -69,7 +70,7 @@ FluidPlan plan_fluid(const Scene& scene, const Model& model, bool statistics) {
   buffer("fluid_total", Type::real, places);
   kernel(kernels::fluid_warm::Args{});
   kernel(kernels::fluid_lambda::Args{.warm = 1, .walls = plan.walls});
-  kernel(kernels::fluid_lambda::Args{.walls = plan.walls});
+  kernel(kernels::fluid_lambda::Args{.walls = plan.walls, .pulls = plan.pulls});
   kernel(kernels::fluid_shift::Args{});
   kernel(kernels::fluid_speed::Args{});
   kernel(kernels::fluid_finish::Args{.bounded = scene.domain.given});

@@ -18,6 +18,7 @@ const std::string water = "[simulation]\n"
                           "viscosity = 0.5\n"
                           "redistribution = 0.25\n"
                           "surface_tension = 0.02\n"
+                          "tensile_strength = 300\n"
                           "[[body]]\n"
                           "name = \"pool\"\n"
                           "material = \"water\"\n"
@@ -31,6 +32,7 @@ TEST(FluidScene, KeysAreRead) {
   EXPECT_EQ(scene.materials[0].viscosity, 0.5);
   EXPECT_EQ(scene.materials[0].redistribution, 0.25);
   EXPECT_EQ(scene.materials[0].surface_tension, 0.02);
+  EXPECT_EQ(scene.materials[0].tensile_strength, 300);
   EXPECT_EQ(scene.fluid.horizon, 2.6);
   EXPECT_EQ(scene.fluid.density_iterations, 7u);
   EXPECT_EQ(scene.fluid.neighbours, 80u);

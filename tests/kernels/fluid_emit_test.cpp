@@ -18,6 +18,7 @@ TEST_P(FluidEmit, LayersAreBornInTheirSlots) {
               {"flown_x", {flown.x()}},
               {"flown_y", {flown.y()}},
               {"flown_z", {flown.z()}},
+              {"held", {0.375}},
               {"speed_x", {speed.x()}},
               {"speed_y", {speed.y()}},
               {"speed_z", {speed.z()}},
@@ -33,7 +34,7 @@ TEST_P(FluidEmit, LayersAreBornInTheirSlots) {
       set_vector(position, i, point + flown, point.cwiseAbs() + flown.cwiseAbs());
       position.set(4 * i + 3, in["emitter_point"][4 * (7 + k) + 3], 0);
       set_vector(velocity, i, speed, Vector3::Zero());
-      velocity.set(4 * i + 3, 0, 0);
+      velocity.set(4 * i + 3, 0.375, 0);
     }
     // One sum, rounded once.
     expect_kernel<kernels::fluid_emit::Args>(

@@ -178,7 +178,7 @@ private:
       std::copy(values.begin(), values.end(), material.begin() + 4 * (FLUID_ROWS + at_row));
     };
     row(FLUID_TRAITS, {rest, 0, 0, 0});
-    row(FLUID_LIMITS, {0.25, 0.5, 1500, 0});
+    row(FLUID_LIMITS, {0.25, 0.5, 1500, rounded(1e-3)});
     in = {{"rows", {double(rows)}},
           {"support", {smoothing.support}},
           {"slope_scale", {rounded(smoothing.spline_gradient())}},
@@ -257,6 +257,52 @@ TEST_P(FluidKernels, MultipliersFollowTheConstraint) {
     }
     EXPECT_GT(pushed, 20u);
     EXPECT_GT(left, 20u);
+    expect_kernel<kernels::fluid_lambda::Args>(
+        GetParam(), std::uint32_t(sweep.places), in,
+        {{"fluid_total", total}, {"fluid_lambda", lambda}, {"fluid_pull", pull}}, sweep_limit);
+  }
+}
+
+// With a tensile strength what is too thin pulls, up to that: all of it inside, none at a surface or where the
+// matter has parted.
+TEST_P(FluidKernels, MultipliersPullUpToTheStrength) {
+  const auto share = [](double x) { return std::clamp(x, 0.0, 1.0); };
+  for (const double thin : {1.0, 1.5, 3.0}) { // times the density at rest
+    Sweep sweep(22);
+    sweep.rest = rounded(thin * sweep.rest);
+    sweep.in["fluid_material"][4 * FLUID_ROWS] = sweep.rest;
+    Values in = only(sweep.in, lambda_inputs);
+    in["pulls"] = {1}, in["step2"] = {0.0625};
+    in["fluid_total"] = std::vector<double>(sweep.places, 0.0);
+    in["fluid_lambda"] = in["fluid_pull"] = std::vector<double>(4 * sweep.places, sentinel);
+    Expected total(in["fluid_total"]), lambda(in["fluid_lambda"]), pull(in["fluid_pull"]);
+    std::size_t pulling = 0, limited = 0, none = 0;
+    for (std::size_t i = 0; i < sweep.places; ++i) {
+      double wanted = 0, scale = 0;
+      const double before = in["fluid_total"][i] = i % 3 == 0 ? 0 : -std::pow(2.0, -16);
+      if (i < sweep.count && sweep.mass[i] > 0) {
+        double stiffness = 0.25, terms = 0;
+        for (std::size_t k = 0; k < sweep.count; ++k)
+          if (sweep.mass[k] > 0) stiffness += sweep.gradient(k, i).squaredNorm() / sweep.mass[k];
+        for (std::size_t j : sweep.near[i]) terms += sweep.rest * sweep.gradient(j, i).norm();
+        const double error = sweep.density_error(i), steep = sweep.rest * sweep.gradient(i, i).norm() / 1500;
+        const double most = rounded(1e-3) * 0.0625 * sweep.mass[i];
+        const double bound = most * share(4 - 4 * steep) * share(4 * error + 2);
+        const double free = -0.5 * std::min(error, 0.5) / (stiffness * sweep.rest);
+        wanted = std::min(free, bound - before);
+        scale = 0.5 * (1 + std::abs(error)) / (stiffness * sweep.rest) + 4 * most * (1 + terms / 1500);
+        ++(before + wanted <= 0 ? none : free < bound - before ? pulling : limited);
+      }
+      total.set(i, before + wanted, scale + std::abs(before));
+      expect_pull(sweep, i, wanted, scale, lambda, pull);
+    }
+    if (thin < 2) {
+      EXPECT_GT(pulling, 10u) << thin;
+      EXPECT_GT(limited, 10u) << thin;
+    } else {
+      EXPECT_EQ(pulling + limited, 0u) << "parted";
+    }
+    EXPECT_GT(none, 10u) << thin;
     expect_kernel<kernels::fluid_lambda::Args>(
         GetParam(), std::uint32_t(sweep.places), in,
         {{"fluid_total", total}, {"fluid_lambda", lambda}, {"fluid_pull", pull}}, sweep_limit);

@@ -21,7 +21,8 @@ using Product = kernel::fluid_viscosity_product::Args;
 using Control = kernel::fluid_viscosity_control::Args;
 using Update = kernel::fluid_viscosity_update::Args;
 
-// Two fluids of different viscosity and mass, one without any; if wanted, on a wall of ghosts below y = 0.
+// Two fluids of different viscosity and mass, one without any; if wanted, on a wall of ghosts below y = 0, and
+// some in a nozzle, which does not move them: of them the fourth is a material, of ghosts a height.
 NearCloud cloud_of(std::size_t count, bool ghosts, bool periodic) {
   Random random(kernel_seed + 201);
   NearCloud cloud;
@@ -35,7 +36,9 @@ NearCloud cloud_of(std::size_t count, bool ghosts, bool periodic) {
     const bool ghost = ghosts && i % 4 == 0;
     const double depth = rounded((0.5 + (i % 8 == 0)) * d);
     if (ghost)
-      cloud.add({at.x(), -depth, at.z()}, -0.25, depth, random.vector());
+      cloud.add({at.x(), -depth, at.z()}, -0.25, -depth, random.vector());
+    else if (ghosts && i % 9 == 5)
+      cloud.add(at, -0.25, 1, random.vector());
     else
       cloud.add(at, i % 3 == 1 ? 0.5 : 0.25, static_cast<double>(i % 5 == 0 ? 2 : i % 2), random.vector());
   }
@@ -55,8 +58,8 @@ double rate_of(const NearCloud& c, std::size_t i, std::size_t j) {
   for (std::size_t g = 0; g < c.place.size(); ++g)
     if (c.mass[g] < 0 && c.between(i, g).norm() < c.support_in_float())
       away += (1 - c.between(i, g).norm() / c.support_in_float()) * c.between(i, g);
-  const double reach = std::max(d.dot(away.normalized()) - c.fourth[j], least);
-  return rate * (1 + c.fourth[j] / reach);
+  const double depth = std::max(-c.fourth[j], 0.0);
+  return rate * (1 + depth / std::max(d.dot(away.normalized()) - depth, least));
 }
 
 Values begin_values(const NearCloud& cloud, bool ghosts) {

@@ -1,5 +1,8 @@
 // The plan and the truth of fluids.
+#include "kernels/fluid_lambda.h"
 #include "tests/plan/truth.h"
+
+#include <algorithm>
 
 namespace pliant::test {
 namespace {
@@ -53,6 +56,7 @@ TEST_P(FluidPlanTruth, ForcesOnFluidsAreThoseAskedFor) {
       water.model = "fluid";
       water.viscosity = viscous ? 1 : 0;
       water.redistribution = *form ? 0.5 : 0;
+      water.tensile_strength = viscous ? 1e3 : 0;
       made.scene.materials = {water};
       made.scene.bodies.emplace_back().material = "water";
       if (*form) made.scene.fluid.redistribution_form = form;
@@ -67,6 +71,13 @@ TEST_P(FluidPlanTruth, ForcesOnFluidsAreThoseAskedFor) {
       if (*form) used.emplace_back("redistribution");
       used.emplace_back("statistics");
       EXPECT_EQ(truth.plan.used, used);
+      const std::vector<std::uint32_t> pulls =
+          kernel_variant(kernels::fluid_lambda::Args{.walls = 1, .pulls = 1}, "").options;
+      EXPECT_EQ(std::any_of(truth.plan.kernels.begin(), truth.plan.kernels.end(),
+                            [&](const KernelSpec& kernel) {
+                              return kernel.info->name == std::string("fluid_lambda") && kernel.options == pulls;
+                            }),
+                viscous);
     }
 }
 

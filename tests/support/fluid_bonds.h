@@ -23,8 +23,8 @@ inline double weight_at(const NearCloud& cloud, const Vector3& y) {
   return (1 - q) * (1 - q) * (w[0] + q * (w[1] + q * w[2]));
 }
 
-/// near, near_count, rows, periods, fluid_place, fluid_start (at the same places), near_rest as `rest` gives
-/// it, weights.
+/// near, near_count, rows, periods, fluid_place, fluid_start (at the same places), fluid_was (one family, and
+/// ghosts where masses are negative), near_rest as `rest` gives it, weights.
 inline Values bond_values(const NearCloud& cloud, const RestOf& rest) {
   Values in = cloud.values();
   const auto list = cloud.lists();
@@ -35,6 +35,10 @@ inline Values bond_values(const NearCloud& cloud, const RestOf& rest) {
     for (std::size_t r = 0; r < list[i].size(); ++r)
       rests[16 * (rows * (i / 16) + r) + i % 16] = rest(i, list[i][r]);
   in["fluid_start"] = in["fluid_place"];
+  for (std::size_t i = 0; i < cloud.places(); ++i) {
+    const bool ghost = i < cloud.mass.size() && cloud.mass[i] < 0;
+    in["fluid_was"].insert(in["fluid_was"].end(), {0, ghost ? double(FAMILY_GHOST) : 1, double(i), 1});
+  }
   const auto w = kernel_weights();
   in["weight_0"] = {w[0]}, in["weight_2"] = {w[1]}, in["weight_4"] = {w[2]};
   in["per_reach2"] = {rounded(1 / (cloud.support_in_float() * cloud.support_in_float()))};

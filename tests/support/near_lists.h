@@ -15,7 +15,7 @@ struct NearCloud {
   Vector3 period = Vector3::Zero(); // m; 0 where nothing repeats
   Points place;
   std::vector<double> mass;   // kg; negative: a ghost; 0: nothing there
-  std::vector<double> fourth; // of fluid_velocity: material, of ghosts the depth
+  std::vector<double> fourth; // of fluid_velocity: material, of ghosts the height
   Points velocity;
   std::vector<double> traits = std::vector<double>(4 * FLUIDS * FLUID_ROWS, 0.0);
 

@@ -7,6 +7,15 @@ namespace pliant::openmp::PLIANT_ISA {
 
 namespace {
 
+/// Which of the others that do not move are ghosts.
+template <class View, class Mask>
+PLIANT_INLINE Mask ghosts(const View& k, const uint* others, Mask still) {
+  if (!bits<typename View::real>(still)) return still;
+  for (uint lane = 0; lane < lanes<typename View::real>; ++lane)
+    if (still[lane] && k.fluid_was[others[lane]].y != FAMILY_GHOST) still[lane] = 0;
+  return still;
+}
+
 // Both particles of a bond compute its length: no rounding may depend on whose list it is.
 template <bool repeats, class real> PLIANT_INLINE void flow(const kernels::fluid_bond_flow::View<real>& k) {
   const Wide<real> one = Wide<real>{} + 1, least = spread(k.least_rest), largest = spread(k.largest_rest);
@@ -29,7 +38,7 @@ template <bool repeats, class real> PLIANT_INLINE void flow(const kernels::fluid
       Wide<real> rest = bonded ? old : one;
       if (k.plastic) {
         const Wide4<real> theirs = gather<2>(k.fluid_flow + 1, others);
-        const WideMask<real> ghost = there.w < 0;
+        const WideMask<real> ghost = ghosts(k, others, there.w < 0);
         const Wide4<real> other{
             ghost ? own.x : theirs.x, ghost ? own.y : theirs.y, ghost ? own.z : theirs.z, {}};
         const WideMask<real> flows = (own.y < 1) | (own.z < 1) | (other.y < 1) | (other.z < 1);

@@ -2,6 +2,7 @@
 #include "kernels/fluid_bond_rest.h"
 #include "backends/openmp/body.h"
 #include "backends/openmp/fluid_bonds.h"
+#include "shaders/common/fluid_bond.glsl"
 
 namespace pliant::openmp::PLIANT_ISA {
 
@@ -37,7 +38,8 @@ template <class real> void fluid_bond_rest(const kernels::fluid_bond_rest::View<
         real rest = k.least_rest;
         if (size2 > rest * rest) {
           const real own = ratio_of(k.fluid_fit + 2 * std::size_t{i}, y);
-          const real other = k.fluid_place[j].w < 0 ? own : ratio_of(k.fluid_fit + 2 * std::size_t{j}, y);
+          const bool ghost = k.fluid_was[j].y == FAMILY_GHOST;
+          const real other = ghost ? own : ratio_of(k.fluid_fit + 2 * std::size_t{j}, y);
           rest = larger(rest, root(size2 * (real(0.5) * (own + other))));
         }
         k.near_rest[entry + lane] = rest;

@@ -13,7 +13,7 @@ template <class real> void fluid_emit(const kernels::fluid_emit::View<real>& k) 
     const Vec3<real> place = xyz(from) + flown;
     const uint i = k.emitter_slot[point];
     k.position[i] = {place.x, place.y, place.z, from.w};
-    k.velocity[i] = {k.speed_x, k.speed_y, k.speed_z, 0};
+    k.velocity[i] = {k.speed_x, k.speed_y, k.speed_z, k.held};
   }
   k.emitter_count[2 * k.emitter] += k.threads;
 }

@@ -30,15 +30,22 @@ template <class real> void fluid_finish(const kernels::fluid_finish::View<real>&
 #pragma omp parallel for schedule(static)
   for (uint place = 0; place < k.threads; ++place) {
     const auto at = k.fluid_place[place];
-    if (!(at.w > 0)) continue; // removed before, or a ghost
     const uint i = k.fluid_particle[place];
+    if (i >= k.particle_count || at.w == 0) continue; // a ghost, or removed before
     Vec3<real> end = xyz(at), v = xyz(k.fluid_velocity[place]);
-    real mass = at.w;
+    real mass = at.w, w;
+    if (mass < 0) {
+      mass = -mass;
+      w = larger(k.velocity[i].w - k.time_step, real(0));
+    } else {
+      w = smaller(k.fluid_total[place], real(0)) / (k.time_step * k.time_step);
+    }
     if (k.bounded) {
       const bool finite = magnitude(end.x) < most && magnitude(end.y) < most && magnitude(end.z) < most;
       if (finite && (x.lost(end.x) || y.lost(end.y) || z.lost(end.z))) {
         mass = 0;
         v = {0, 0, 0};
+        w = 0;
       }
       end = {x.inside(end.x), y.inside(end.y), z.inside(end.z)};
     }
@@ -46,7 +53,7 @@ template <class real> void fluid_finish(const kernels::fluid_finish::View<real>&
         xyz(k.origin[k.fluid_kind[i] & FLUID_BODY]) - Vec3<real>{k.base_x, k.base_y, k.base_z};
     end = end - body;
     k.position[i] = {end.x, end.y, end.z, mass};
-    k.velocity[i] = {v.x, v.y, v.z, k.fluid_total[place] / (k.time_step * k.time_step)};
+    k.velocity[i] = {v.x, v.y, v.z, w};
   }
 }
 

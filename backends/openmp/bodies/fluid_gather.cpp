@@ -22,7 +22,8 @@ template <class real> void fluid_gather(const kernels::fluid_gather::View<real>&
     k.fluid_start[place] = {flight.start.x, flight.start.y, flight.start.z, before.w};
     k.fluid_velocity[place] = {flight.velocity.x, flight.velocity.y, flight.velocity.z,
                                static_cast<real>(kind >> FLUID_KIND_SHIFT)};
-    if (old.w != 0) k.fluid_place[place] = {flight.place.x, flight.place.y, flight.place.z, old.w};
+    if (old.w != 0)
+      k.fluid_place[place] = {flight.place.x, flight.place.y, flight.place.z, flight.held ? -old.w : old.w};
   }
 }
 

@@ -36,6 +36,13 @@ PLIANT_INLINE Sums<real> sum_up(const kernels::fluid_lambda::View<real>& k, cons
   return sums;
 }
 
+/// Within 0 and 1.
+template <class W> PLIANT_INLINE W share(W of) {
+  const W none{}, one = none + 1;
+  of = of > none ? of : none;
+  return of < one ? of : one;
+}
+
 template <bool warm, class real> PLIANT_INLINE void sweep(const kernels::fluid_lambda::View<real>& k) {
   const Wide<real> none{};
 #pragma omp parallel for schedule(static)
@@ -45,14 +52,13 @@ template <bool warm, class real> PLIANT_INLINE void sweep(const kernels::fluid_l
     const WideMask<real> moves = place.w > 0;
     const Sums<real> sums = sum_up<warm>(k, part, place);
     Wide3<real> gradient = sums.gradient;
-    Wide<real> rest, softness, most, edge;
+    Wide<real> rest, softness, most, edge, strength;
     for (uint lane = 0; lane < lanes<real>; ++lane) {
-      const auto* rows =
-          k.fluid_material +
-          FLUID_ROWS * static_cast<uint>(static_cast<int>(k.fluid_velocity[part.index[lane]].w));
+      const real material = larger(k.fluid_velocity[part.index[lane]].w, real(0)); // a ghost has none
+      const auto* rows = k.fluid_material + FLUID_ROWS * static_cast<uint>(static_cast<int>(material));
       rest[lane] = rows[FLUID_TRAITS].x;
       softness[lane] = rows[FLUID_LIMITS].x, most[lane] = rows[FLUID_LIMITS].y;
-      edge[lane] = rows[FLUID_LIMITS].z;
+      edge[lane] = rows[FLUID_LIMITS].z, strength[lane] = rows[FLUID_LIMITS].w;
     }
     const Wide<real> own = counting_mass<real>(place.w) * spline_value(none);
     Wide<real> error = k.value_scale * (own + sums.value) / rest - 1;
@@ -81,7 +87,12 @@ template <bool warm, class real> PLIANT_INLINE void sweep(const kernels::fluid_l
         for (uint lane = 0; lane < lanes<real>; ++lane) last[lane] = k.fluid_lambda[part.index[lane]].w;
         change += k.momentum * last;
       }
-      change = change < -total ? change : -total;
+      Wide<real> left = -total;
+      if (k.pulls) {
+        const Wide<real> steepness = root_wide<real>(dot(gradient, gradient)) * k.slope_scale / edge;
+        left += strength * (k.step2 * place.w) * share(4 - 4 * steepness) * share(4 * error + 2);
+      }
+      change = change < left ? change : left;
     }
     change = moves ? change : none;
     if constexpr (!warm) store_reals(k.fluid_total + first, part.count, Wide<real>(total + change));

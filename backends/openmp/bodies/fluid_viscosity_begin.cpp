@@ -49,9 +49,10 @@ template <class real> void fluid_viscosity_begin(const kernels::fluid_viscosity_
           Wide<real> rate = per_mass * both * share;
           rate = self ? none : rate;
           if constexpr (walls) {
-            Wide<real> reach = d.x * away.x + d.y * away.y + d.z * away.z - w.w;
+            const Wide<real> depth = w.w < 0 ? -w.w : none;
+            Wide<real> reach = d.x * away.x + d.y * away.y + d.z * away.z - depth;
             reach = reach > k.least_distance ? reach : spread(k.least_distance);
-            const Wide<real> further = rate * ((reach + w.w) / reach);
+            const Wide<real> further = rate * ((reach + depth) / reach);
             rate = d.w < 0 ? further : rate;
           } else {
             ghosts |= d.w < 0;

@@ -177,7 +177,7 @@ template <class real> void near_find(const kernels::near_find::View<real>& k) {
         const uint i = 16 * slice + lane;
         const auto own = k.fluid_place[i];
         uint found = 0;
-        if (own.w > 0) {
+        if (own.w > 0 || (own.w < 0 && k.fluid_particle[i] < k.particle_count)) {
           const auto inside = [&] { return i - around.begin < around.end - around.begin; };
           if (!inside()) look_around(k, lattice_at(k, xyz(own)), around);
           // Rounding may have sorted a place that lies between two cells into the other.
