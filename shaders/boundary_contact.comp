@@ -67,7 +67,7 @@ void main() {
     float steep2 = dot(gradient, gradient);
     if (steep2 > 0.0) slide -= (dot(gradient, slide) / steep2) * gradient;
     float hold = k;
-    if (traits.z == 0.0) {
+    if (traits.z != float(OBSTACLE_STICKS)) {
       float limit = traits.y * length(push), distance_slid = length(slide);
       if (!(k * distance_slid < limit)) hold = distance_slid > 0.0 ? limit / distance_slid : 0.0; // without friction: none
     }
@@ -75,7 +75,7 @@ void main() {
     f.w += k;
 #if potential
     stored += 0.5 * k * depth * depth;
-    if (traits.z != 0.0) stored += 0.5 * k * dot(slide, slide);
+    if (traits.z == float(OBSTACLE_STICKS)) stored += 0.5 * k * dot(slide, slide);
 #endif
 #if tangent
     vec3 g = gradient;

@@ -74,7 +74,7 @@ void main() {
     vec3 push = depth / steep2 * gradient;
     vec3 slide = moved - vec3(dot(s0.xyz, from) + s0.w, dot(s1.xyz, from) + s1.w, dot(s2.xyz, from) + s2.w);
     slide -= dot(gradient, slide) / steep2 * gradient;
-    float slid = length(slide), held = traits.z == 1.0 ? slid : min(slid, traits.y * length(push));
+    float slid = length(slide), held = traits.z == float(OBSTACLE_STICKS) ? slid : min(slid, traits.y * length(push));
     if (held > 0.0) push -= held / slid * slide;
     moved += push;
   }

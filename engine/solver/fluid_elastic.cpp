@@ -38,8 +38,6 @@ constexpr double unyielding = 1e30; ///< Pa; fits a float
 // over all. With 1.25 some affine states of a jittered block are cut.
 constexpr double excess_slack = 2;
 constexpr double least_rest = 1e-3, largest_rest = 20; ///< spacings
-// K_i where particles crowd, over that of the lattice.
-constexpr double crowding = 1.5;
 // Spacings that a particle is redistributed by at most, over the strain that flowed in the step. With more,
 // or with all of it, what is moved flows because it is, and a heap of clay never comes to rest.
 constexpr double spread_by_flow = 0.25;
@@ -80,8 +78,7 @@ void list_bonds(FluidPlan& plan, bool statistics) {
   kernel(kernels::fluid_bond_begin::Args{.plastic = flows});
   kernel(kernels::fluid_bond_state::Args{.plastic = flows});
   kernel(kernels::fluid_bond_force::Args{});
-  for (const std::uint32_t checked : {0u, 1u})
-    kernel(kernels::chebyshev_step::Args{.checked = checked, .contacts = plan.walls});
+  for (const std::uint32_t checked : {0u, 1u}) kernel(kernels::chebyshev_step::Args{.checked = checked});
   kernel(kernels::residual_control::Args{});
   kernel(kernels::guard_apply::Args{});
   kernel(kernels::fluid_bond_end::Args{});
@@ -248,7 +245,7 @@ void FluidElastic::forces(bool first) {
 bool FluidElastic::check(unsigned iteration, double step) {
   const FluidPlan& plan = fluid_.plan();
   const SolverSettings& settings = scene_.solver;
-  const double number = crowding * plan.bonds.stiffness * step * step;
+  const double number = plan.bonds.stiffness * step * step;
   const double epsilon = device_.info().precision == Precision::double_precision
                              ? std::numeric_limits<double>::epsilon()
                              : std::numeric_limits<float>::epsilon();
@@ -259,7 +256,10 @@ bool FluidElastic::check(unsigned iteration, double step) {
   const double stiffness = plan.bonds.stiffness * mass, diagonal = stiffness + mass / (step * step);
   const double floor = epsilon / 2 * plan.model.spacing * std::sqrt(plan.model.count / diagonal) * stiffness;
   const bool ends = !settings.fixed_iterations;
-  double gap = chebyshev_gap(number, plan.walls, settings.tolerance, settings.iterations);
+  // Contacts stiffen the diagonal with what they add, and slide in a layer only: taken as twice the number,
+  // as for elastic bodies, or as a reason to accelerate anew whenever one comes or goes, of which a heap has
+  // some in each iteration, they cost twice the iterations.
+  double gap = chebyshev_gap(number, false, settings.tolerance, settings.iterations);
   if (settings.spectral_radius) gap = std::max(1 - *settings.spectral_radius, 1e-7);
   device_.run(kernels::residual_control::Args{
       .threads = kernels::residual_control::group_size,
@@ -311,15 +311,13 @@ void FluidElastic::solve(double step) {
     forces(k == 0);
     device_.run(kernels::chebyshev_step::Args{.threads = plan.model.places,
                                               .checked = checked,
-                                              .contacts = plan.walls,
                                               .iteration = k,
                                               .inertia_target = buffer("fluid_target"),
                                               .force = buffer("fluid_force"),
                                               .displacement = buffer("fluid_displacement"),
                                               .earlier_iterate = buffer("fluid_earlier"),
                                               .solver = state_.solver,
-                                              .residual_partial = buffer("fluid_error"),
-                                              .touched = buffer("fluid_touched")});
+                                              .residual_partial = buffer("fluid_error")});
     fluid_.exchange("fluid_displacement", "fluid_earlier");
     if (checked && check(k, step)) break;
   }

@@ -1,8 +1,9 @@
 // Layout of the obstacle table and of contact lists, read by C++ and GLSL alike: nothing but definitions.
 #define OBSTACLES 32       // at most
 #define OBSTACLE_ROWS 9    // groups of four an obstacle:
-#define OBSTACLE_KIND 0    //   kind, friction, 1: no-slip, 1: particles are kept inside
-#define OBSTACLE_GHOSTS 2  //     instead of no-slip: ghosts stand for the obstacle in all but keeping fluids out
+#define OBSTACLE_KIND 0    //   kind, friction, how it holds, 1: particles are kept inside
+#define OBSTACLE_STICKS 1  //     no-slip;
+#define OBSTACLE_GHOSTS 2  //     ghosts stand for the obstacle in all but keeping fluids out; 0: by friction
 #define OBSTACLE_CENTRE 1  //   centre at the end of the step, m, world; radius about it beyond which nothing touches, m
 #define OBSTACLE_SIZE 2    //   box: half edges; sphere: radius; cylinder: radius, half height; torus: ring, tube; m
                            //   w: cell of the distance grid, m

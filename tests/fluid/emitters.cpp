@@ -69,9 +69,9 @@ TEST_P(Emitters, RateTimesTime) {
   expect_below("place of a layer away from speed times age, spacings", worst, 1e-3);
 }
 
-// As far as the horizon a layer goes at the nozzle's speed, from its birth on, not from its step's end: .21 s,
-// of which the first step has .010625 and 13 more the rest, as it leaves at the nearest end of a step. Then it
-// falls.
+// As far as the horizon a layer goes at the nozzle's speed, from its birth on, not from its step's end: .21
+// s, of which the first step has .010625 and 13 more the rest, as it leaves at the nearest end of a step.
+// Then it falls.
 TEST_P(Emitters, LayersAreHeldAndThenFall) {
   const Scene scene = tap("particles = 8\nstart = 0.005", "", "-10");
   const Model model = assemble(scene);
@@ -313,8 +313,8 @@ TEST(Emitter, StepsInParts) {
   expect_below("positions apart, spacings", worst / 0.1, 1e-6);
 }
 
-// The example, coarse: from when its front, of which hardly anything is inside, has landed, the rope that falls
-// and the heap are as dense inside as at rest, within 2 % in the mean of every step.
+// The example, coarse: from when its front, of which hardly anything is inside, has landed, the rope that
+// falls and the heap are as dense inside as at rest, within 2 % in the mean of every step.
 TEST(Emitter, HoneyKeepsItsDensity) {
   const Scene scene = read_scene(PLIANT_SOURCE_DIR "/examples/honey.toml",
                                  {"simulation.spacing=0.00625", "simulation.capacity=1500"});

@@ -28,7 +28,7 @@ TEST(FluidScene, KeysAreRead) {
   text.insert(text.find("surface_tension"), "tensile_strength = 300\n");
   const Scene scene =
       parsed(text + "[fluid]\nhorizon = 2.6\ndensity_iterations = 7\nneighbours = 80\n"
-                     "[domain]\nlow = [-2, -1, -1]\nhigh = [2, 1, 1]\nperiodic = [true, false, true]\n");
+                    "[domain]\nlow = [-2, -1, -1]\nhigh = [2, 1, 1]\nperiodic = [true, false, true]\n");
   ASSERT_TRUE(scene.flows());
   EXPECT_EQ(scene.materials[0].viscosity, 0.5);
   EXPECT_EQ(scene.materials[0].redistribution, 0.25);

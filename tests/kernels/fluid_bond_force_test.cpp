@@ -71,7 +71,8 @@ struct Problem {
       const Vector3 v = there ? u[i] : Vector3::Zero();
       in["fluid_displacement"].insert(in["fluid_displacement"].end(), {v.x(), v.y(), v.z(), 0});
       in["fluid_stay"].insert(in["fluid_stay"].end(),
-                              {there && cloud.mass[i] > 0 ? 1.0 : 0.0, 0, there ? k(i) : 0, there && k(i) > 0 ? cloud.fourth[i] : 0});
+                              {there && cloud.mass[i] > 0 ? 1.0 : 0.0, 0, there ? k(i) : 0,
+                               there && k(i) > 0 ? cloud.fourth[i] : 0});
       in["fluid_flow"].insert(in["fluid_flow"].end(), {there ? before[i] : 0, 0.5, 0.25, 0, 0, 1, 1, 0});
     }
     in["solver"] = std::vector<double>(SOLVER_ENTRIES, 0.0);

@@ -199,8 +199,9 @@ TEST_P(FluidStep, FarFromObstaclesNothingIsPushed) {
       GetParam(), size, in, {{"fluid_place", place}, {"fluid_wall", wall}, {"fluid_moved", moved}}, 1);
 }
 
-// Beyond a side that repeats a particle comes in on the other; beyond another it is removed, and stays so. Of a
-// pull nothing is kept for the next step; what a nozzle holds comes a step nearer to its end; ghosts stay out.
+// Beyond a side that repeats a particle comes in on the other; beyond another it is removed, and stays so. Of
+// a pull nothing is kept for the next step; what a nozzle holds comes a step nearer to its end; ghosts stay
+// out.
 TEST_P(FluidStep, DomainsRepeatOrEnd) {
   Values in{{"bounded", {1}},
             {"particle_count", {8}},
@@ -222,7 +223,8 @@ TEST_P(FluidStep, DomainsRepeatOrEnd) {
             {"fluid_particle", {4, 2, 0, 1, 3, 5, 6, 7, 8}}};
   in["fluid_place"] = {0.5, 1, 0,      2,   /**/ 2.25, 1, -1.5,   2, /**/ -0.25, 1,
                        0,   2, /**/ 1, 2.5, 0,         2, /**/ 1, 1, 0,          0};
-  const std::vector<double> more{0.75, 1, 0, -2, /**/ 0.5, 1, 0.5, -2, /**/ 0.5, 0.5, 0.5, 2, /**/ 1, 1, 1, -1};
+  const std::vector<double> more{0.75,     1,   0,   -2, /**/ 0.5, 1, 0.5, -2,
+                                 /**/ 0.5, 0.5, 0.5, 2,  /**/ 1,   1, 1,   -1};
   in["fluid_place"].insert(in["fluid_place"].end(), more.begin(), more.end());
   in["fluid_velocity"] = std::vector<double>(36, 0.5);
   in["fluid_total"] = {-1, -2, -3, -4, -5, 0, 0, 1, 0};

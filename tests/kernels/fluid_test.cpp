@@ -263,8 +263,8 @@ TEST_P(FluidKernels, MultipliersFollowTheConstraint) {
   }
 }
 
-// With a tensile strength what is too thin pulls, up to that: all of it inside, none at a surface or where the
-// matter has parted.
+// With a tensile strength what is too thin pulls, up to that: all of it inside, none at a surface or where
+// the matter has parted.
 TEST_P(FluidKernels, MultipliersPullUpToTheStrength) {
   const auto share = [](double x) { return std::clamp(x, 0.0, 1.0); };
   std::size_t pulling = 0, limited = 0, none = 0;

@@ -21,8 +21,8 @@ using Product = kernel::fluid_viscosity_product::Args;
 using Control = kernel::fluid_viscosity_control::Args;
 using Update = kernel::fluid_viscosity_update::Args;
 
-// Two fluids of different viscosity and mass, one without any; if wanted, on a wall of ghosts below y = 0, and
-// some in a nozzle, which does not move them: of them the fourth is a material, of ghosts a height.
+// Two fluids of different viscosity and mass, one without any; if wanted, on a wall of ghosts below y = 0,
+// and some in a nozzle, which does not move them: of them the fourth is a material, of ghosts a height.
 NearCloud cloud_of(std::size_t count, bool ghosts, bool periodic) {
   Random random(kernel_seed + 201);
   NearCloud cloud;

@@ -59,7 +59,7 @@ template <class real> void touch(const kernels::boundary_contact::View<real>& k,
     const real steep2 = dot(gradient, gradient);
     if (steep2 > 0) slide = slide - (dot(gradient, slide) / steep2) * gradient;
     real hold = stiffness;
-    if (traits.z == 0) {
+    if (traits.z != OBSTACLE_STICKS) {
       const real limit = traits.y * norm(push), slid = norm(slide);
       if (!(stiffness * slid < limit)) hold = slid > 0 ? limit / slid : 0; // without friction: none
     }
@@ -70,7 +70,7 @@ template <class real> void touch(const kernels::boundary_contact::View<real>& k,
     acts = 1;
     if (k.potential) {
       stored += stiffness / 2 * depth * depth;
-      if (traits.z != 0) stored += stiffness / 2 * dot(slide, slide);
+      if (traits.z == OBSTACLE_STICKS) stored += stiffness / 2 * dot(slide, slide);
     }
     if (k.tangent) {
       // Along the gradient the penalty's stiffness, across it the friction's: hold (1 - n n) + k g g.
