@@ -25,7 +25,7 @@ void main() {
   vec3 diagonal = vec3(0.0), mixed = vec3(0.0); // xx yy zz | xy xz yz
 #endif
   uint acts = 0u;
-  for (uint o = 0u; o < obstacles; ++o) {
+  for (uint o = 0u; o < obstacles && !(f.w < 0.0); ++o) {
     uint row = OBSTACLE_ROWS * o;
     vec4 traits = obstacle[row + OBSTACLE_KIND], place = obstacle[row + OBSTACLE_CENTRE];
     vec3 from = begin.xyz - (place.xyz - base), now = from + u;

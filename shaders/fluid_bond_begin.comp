@@ -13,7 +13,7 @@ void main() {
   float k = bonds ? fluid_elastic[ELASTIC_ROWS * uint(v.w) + ELASTIC_BONDS].x : 0.0;
   fluid_target[i] = vec4(u.xyz, moves ? mass / (time_step * time_step) : -1.0);
   fluid_displacement[i] = u;
-  fluid_stay[i] = vec4(1.0, 0.0, k, bonds ? v.w : 0.0);
+  fluid_stay[i] = vec4(moves || bonds ? 1.0 : 0.0, 0.0, k, bonds ? v.w : 0.0);
 #if plastic
   fluid_flow[2u * i] = bonds ? vec4(fluid_flow_earlier[2u * was.x].xyz, 0.0) : vec4(0.0);
   fluid_flow[2u * i + 1u] = vec4(0.0, 1.0, 1.0, 0.0);

@@ -21,5 +21,5 @@ void main() {
     f.xyz += (share * pull / max(size, SHORTEST_BOND)) * y;
     f.w += share / rest * (own.z + other.z);
   }
-  fluid_force[i] = vec4(f.xyz, bound * f.w);
+  fluid_force[i] = vec4(f.xyz, own.x == 0.0 && own.z == 0.0 ? -1.0 : bound * f.w);
 }

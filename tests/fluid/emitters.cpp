@@ -92,7 +92,7 @@ TEST_P(Emitters, LayersAreHeldAndThenFall) {
 // A slow nozzle that honey would fall away from: layers that are held keep their lattice while the rope pulls
 // at them, bonds know the same of both ends when they are let go, and the rope hangs together.
 TEST_P(Emitters, RopesHangFromTheirNozzle) {
-  Scene scene = tap("particles = 400", "viscosity = 2000\nredistribution = 1", "-10");
+  Scene scene = tap("particles = 400", "viscosity = 20000\nredistribution = 1", "-10");
   scene.materials[0].model = "viscoelastic", scene.materials[0].young = 1e4, scene.materials[0].poisson = 0.3;
   scene.materials[0] = yielding(scene.materials[0], 50);
   const Model model = assemble(scene);
@@ -130,7 +130,7 @@ TEST_P(Emitters, RopesHangFromTheirNozzle) {
   std::sort(height.begin(), height.end());
   double gap = 0;
   for (std::size_t i = 1; i < height.size(); ++i) gap = std::max(gap, height[i] - height[i - 1]);
-  expect_below("largest gap of the rope, spacings", gap / 0.1, 1.8);
+  expect_below("largest gap of the rope, spacings", gap / 0.1, 1.2);
 }
 
 const std::string pool =
@@ -313,7 +313,8 @@ TEST(Emitter, StepsInParts) {
   expect_below("positions apart, spacings", worst / 0.1, 1e-6);
 }
 
-// The example, coarse: what has been poured is as dense inside as at rest, within 2 % in the mean.
+// The example, coarse: from when its front, of which hardly anything is inside, has landed, the rope that falls
+// and the heap are as dense inside as at rest, within 2 % in the mean of every step.
 TEST(Emitter, HoneyKeepsItsDensity) {
   const Scene scene = read_scene(PLIANT_SOURCE_DIR "/examples/honey.toml",
                                  {"simulation.spacing=0.00625", "simulation.capacity=1500"});
@@ -321,16 +322,16 @@ TEST(Emitter, HoneyKeepsItsDensity) {
   const auto open = open_alone(on_cpu);
   Simulation simulation(*open, scene, model);
   double error = 0;
-  std::size_t rows = 0, present = 0;
+  std::size_t present = 0;
   for (int k = 0; k < 250; ++k) {
     simulation.step();
     for (const StepStatistics& row : simulation.take_statistics()) {
       present = row.present;
-      if (row.time > 0.7) error += row.density_error, ++rows; // before, hardly anything is inside
+      if (row.time > 0.25) error = std::max(error, row.density_error);
     }
   }
   EXPECT_GT(present, 800u);
-  expect_below("mean |C| inside", error / double(rows), 0.02);
+  expect_below("largest mean |C| inside of a step", error, 0.02);
 }
 
 // In a plane scene a nozzle is a line, and what comes out is a metre deep.

@@ -18,15 +18,16 @@ const std::string water = "[simulation]\n"
                           "viscosity = 0.5\n"
                           "redistribution = 0.25\n"
                           "surface_tension = 0.02\n"
-                          "tensile_strength = 300\n"
                           "[[body]]\n"
                           "name = \"pool\"\n"
                           "material = \"water\"\n"
                           "shape = { box = [1, 1, 1] }\n";
 
 TEST(FluidScene, KeysAreRead) {
+  std::string text = water;
+  text.insert(text.find("surface_tension"), "tensile_strength = 300\n");
   const Scene scene =
-      parsed(water + "[fluid]\nhorizon = 2.6\ndensity_iterations = 7\nneighbours = 80\n"
+      parsed(text + "[fluid]\nhorizon = 2.6\ndensity_iterations = 7\nneighbours = 80\n"
                      "[domain]\nlow = [-2, -1, -1]\nhigh = [2, 1, 1]\nperiodic = [true, false, true]\n");
   ASSERT_TRUE(scene.flows());
   EXPECT_EQ(scene.materials[0].viscosity, 0.5);
@@ -56,6 +57,8 @@ TEST(FluidScene, WrongOnesAreRefused) {
     return complaint(text.replace(text.find("viscosity = 0.5"), 15, line));
   };
   EXPECT_EQ(complaint(water), "");
+  EXPECT_THAT(in_material("tensile_strength = -1"),
+              HasSubstr("s.toml:5:20: materials.water.tensile_strength = -1 is out of range"));
   EXPECT_THAT(in_material("viscosity = -1"),
               HasSubstr("s.toml:5:13: materials.water.viscosity = -1 is out of range"));
   EXPECT_THAT(in_material("redistribution = 2"), HasSubstr("redistribution"));

@@ -99,19 +99,21 @@ template <class real> void boundary_contact(const kernels::boundary_contact::Vie
     const Part<real> part = make_part<real>(first, k.threads - first);
     const Wide4<real> u = gather(k.displacement, part.index);
     Wide3<real> now{};
-    for (uint lane = 0; lane < lanes<real>; ++lane) {
+    uint near = 0, moves = 0;
+    for (uint lane = 0; lane < part.count; ++lane) moves |= uint{!(k.force[first + lane].w < 0)} << lane;
+    for (uint lane = 0; moves && lane < lanes<real>; ++lane) {
       const Real4<real> own = start_of(k, part.index[lane]);
       now.x[lane] = own.x, now.y[lane] = own.y, now.z[lane] = own.z;
     }
     now = {now.x + u.x, now.y + u.y, now.z + u.z};
-    uint near = 0;
-    for (uint o = 0; o < k.obstacles; ++o) {
+    for (uint o = 0; moves && o < k.obstacles; ++o) {
       const auto* const rows = k.obstacle + OBSTACLE_ROWS * o;
       const auto centre = rows[OBSTACLE_CENTRE];
       const Wide3<real> from{now.x - (centre.x - k.base_x), now.y - (centre.y - k.base_y),
                              now.z - (centre.z - k.base_z)};
       near |= bits<real>(may_touch(rows, from, k.radius));
     }
+    near &= moves;
     for (uint lane = 0; lane < part.count; ++lane) {
       const uint i = first + lane;
       if (near >> lane & 1) {

@@ -13,8 +13,11 @@ template <class real> void fluid_bond_begin(const kernels::fluid_bond_begin::Vie
     const auto v = k.fluid_velocity[i];
     const auto was = k.fluid_was[i];
     const bool moves = mass > 0, bonds = mass != 0 && was.y != 0 && was.y != FAMILY_GHOST;
-    Real4<real> u{0, 0, 0, 0}, stay{1, 0, 0, 0};
-    if (moves || bonds) u = {k.time_step * v.x, k.time_step * v.y, k.time_step * v.z, 0};
+    Real4<real> u{0, 0, 0, 0}, stay{0, 0, 0, 0};
+    if (moves || bonds) {
+      u = {k.time_step * v.x, k.time_step * v.y, k.time_step * v.z, 0};
+      stay.x = 1;
+    }
     k.fluid_displacement[i] = u;
     u.w = moves ? mass / (k.time_step * k.time_step) : real(-1);
     k.fluid_target[i] = u;

@@ -38,7 +38,7 @@ PLIANT_INLINE void forces(const kernels::fluid_bond_force::View<real>& k) {
         f.x += pull * y.x, f.y += pull * y.y, f.z += pull * y.z;
         f.w += share * per_rest * (stay.z + their.z);
       });
-    f.w *= k.bound;
+    f.w = (stay.x == 0) & (stay.z == 0) ? none - 1 : f.w * k.bound;
     store(k.fluid_force + first, part.count, f);
   }
 }
