@@ -4,6 +4,9 @@
 #include "common/near.glsl"
 #include "common/smoothing.glsl"
 
+// Of the support: particles nearer to each other are held to be as far, whatever the direction.
+const float LEAST_ARM = 1e-3;
+
 float viscosity_of(float material) { return fluid_material[FLUID_ROWS * uint(material) + FLUID_TRAITS].y; }
 
 void main() {
@@ -45,8 +48,15 @@ void main() {
         }
 #endif
       }
-      near_rate[first + 16u * r] = rate;
+#if central
+      vec3 arm = shortest(fluid_start[i].xyz - fluid_start[j].xyz, period);
+      float least = LEAST_ARM * support;
+      rate /= max(dot(arm, arm), least * least);
+      change += rate * dot(arm, w.xyz - v.xyz) * arm;
+#else
       change += rate * (w.xyz - v.xyz);
+#endif
+      near_rate[first + 16u * r] = rate;
     }
     fluid_residual[i] = vec4(change, max(place.w, 0.0));
     if (moves) energy = place.w * dot(v.xyz, v.xyz);

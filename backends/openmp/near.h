@@ -86,6 +86,15 @@ template <class real> PLIANT_INLINE Wide4<real> gather_near(const Real4<real>* b
   return gather(base, index);
 }
 
+/// What leads from neighbours to `place`, of these places.
+template <class View, class real>
+PLIANT_INLINE Wide3<real> from_near(const View& k, const Real4<real>* places, const Wide4<real>& place,
+                                    const uint* neighbours) {
+  const Wide4<real> other = gather_near(places, neighbours);
+  return {shortest<real>(place.x - other.x, k.period_x), shortest<real>(place.y - other.y, k.period_y),
+          shortest<real>(place.z - other.z, k.period_z)};
+}
+
 /// Calls visit(neighbours, d, own) for every row of the list of a part of a slice: places of the neighbours,
 /// what leads from them to the own places (.w: that of `places`), and where the neighbour is the own place,
 /// for which nothing may be added.

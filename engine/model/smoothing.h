@@ -58,14 +58,8 @@ struct Smoothing {
   /// Sum of `of(r)` over the points of a lattice, the one at r = 0 first; times spacing^d it stands for the
   /// integral.
   template <class Of> double lattice_sum(double spacing, Of of) const {
-    const int reach = static_cast<int>(support / spacing), deep = dimension == 2 ? 0 : reach;
     double sum = of(0.);
-    for (int z = -deep; z <= deep; ++z)
-      for (int y = -reach; y <= reach; ++y)
-        for (int x = -reach; x <= reach; ++x) {
-          const double r = spacing * std::sqrt(double(x * x + y * y + z * z));
-          if (r > 0 && r < support) sum += of(r);
-        }
+    for_lattice(spacing, [&](double, double, double r) { sum += of(r); });
     return sum;
   }
   /// 1/m^d: sum of spline_value(): a rest density over a particle's mass.
@@ -77,6 +71,29 @@ struct Smoothing {
   double lattice_viscosity(double spacing) const {
     return std::pow(spacing, dimension) *
            lattice_sum(spacing, [&](double r) { return r * r / (2 * dimension) * viscous_laplacian(r); });
+  }
+  /// The same of forces along the line of centres: with u_x = g y a pair's is along n and as n_x n_y g r, so
+  /// that the shear stress has the fourth moment, the sum of spacing^d r^2 / 2 n_x^2 n_y^2
+  /// viscous_laplacian(r). Over all directions of shear its mean is lattice_viscosity() / (d + 2); along the
+  /// axes of a cubic lattice of 2.1 spacings it is 2.9 % more.
+  double lattice_central_viscosity(double spacing) const {
+    double sum = 0;
+    for_lattice(spacing, [&](double x, double y, double r) {
+      sum += x * x * y * y / (2 * r * r) * viscous_laplacian(r);
+    });
+    return std::pow(spacing, dimension) * sum;
+  }
+
+private:
+  /// Calls visit(x, y, r) for the points of a lattice within the support, but for the one at r = 0.
+  template <class Visit> void for_lattice(double spacing, Visit visit) const {
+    const int reach = static_cast<int>(support / spacing), deep = dimension == 2 ? 0 : reach;
+    for (int z = -deep; z <= deep; ++z)
+      for (int y = -reach; y <= reach; ++y)
+        for (int x = -reach; x <= reach; ++x) {
+          const double r = spacing * std::sqrt(double(x * x + y * y + z * z));
+          if (r > 0 && r < support) visit(spacing * x, spacing * y, r);
+        }
   }
 };
 

@@ -91,9 +91,9 @@ struct Material {
   bool breaks() const { return fracture_energy || critical_stretch; }
   Plasticity plastic; ///< law "ordinary"
   // Models "fluid" and "viscoelastic"; of the former nothing of the above but density and colour.
-  double viscosity = 0;       ///< Pa s
-  double redistribution = 0;  ///< 0 to 1: how strongly particles spread evenly
-  double surface_tension = 0; ///< pull on particles of the surface, dimensionless
+  double viscosity = 0;        ///< Pa s
+  double redistribution = 0;   ///< 0 to 1: how strongly particles spread evenly
+  double surface_tension = 0;  ///< pull on particles of the surface, dimensionless
   double tensile_strength = 0; ///< Pa: pressure below none that its inside bears
   bool fluid() const { return model == "fluid" || bonded(); }
   // Model "viscoelastic": a fluid whose particles are bonded to the neighbours they have now.
@@ -242,9 +242,10 @@ struct FluidSettings {
   unsigned redistribution_iterations = 5; ///< a step
   /// "fickian", "newton", "printed" or "negated"; see fluid_redistribute.decl.
   std::string redistribution_form = "fickian";
-  unsigned viscosity_iterations = 100; ///< a cap
-  double viscosity_tolerance = 1e-3;   ///< relative residual
-  std::optional<unsigned> neighbours;  ///< that the list of a particle has room for
+  std::string viscosity_form = "laplacian"; ///< or "central"; see fluid_viscosity_begin.decl
+  unsigned viscosity_iterations = 100;      ///< a cap
+  double viscosity_tolerance = 1e-3;        ///< relative residual
+  std::optional<unsigned> neighbours;       ///< that the list of a particle has room for
 };
 
 /// Where fluids may be: what leaves it is removed, or comes in again on the other side where it is periodic.

@@ -28,6 +28,12 @@ const Table& fluid_table() {
                    "al. (2017) as printed or with the other sign",
         .slot = at<&F::redistribution_form>,
         .choices = {"fickian", "newton", "printed", "negated"}},
+       {.name = "viscosity_form",
+        .meaning =
+            "of the force between two particles: along the difference of their velocities, or along the "
+            "line of centres, which free spinning does not feel and ropes need to coil",
+        .slot = at<&F::viscosity_form>,
+        .choices = {"laplacian", "central"}},
        {.name = "viscosity_iterations",
         .meaning = "a cap on the sweeps of a step's viscosity",
         .slot = at<&F::viscosity_iterations>,

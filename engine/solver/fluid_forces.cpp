@@ -50,13 +50,17 @@ template <class Args> void in_lists(Args& args, const Fluid& fluid) {
   args.near = fluid.buffer("near");
 }
 
-template <class Args> void in_space(Args& args, const Fluid& fluid) {
-  const FluidModel& model = fluid.plan().model;
-  in_lists(args, fluid);
-  args.support = model.smoothing.support;
+template <class Args> void in_periods(Args& args, const FluidModel& model) {
   args.period_x = model.lattice.period.x();
   args.period_y = model.lattice.period.y();
   args.period_z = model.lattice.period.z();
+}
+
+template <class Args> void in_space(Args& args, const Fluid& fluid) {
+  const FluidModel& model = fluid.plan().model;
+  in_lists(args, fluid);
+  in_periods(args, model);
+  args.support = model.smoothing.support;
   args.fluid_place = fluid.buffer("fluid_place");
 }
 
@@ -75,6 +79,7 @@ FluidForcePlan plan_forces(const Scene& scene, const Model& model, const FluidMo
     plan.spread = plan.spread || c.redistribution > 0 || c.surface_tension > 0;
     plan.tension = plan.tension || c.surface_tension > 0;
   }
+  plan.central = plan.viscous && scene.fluid.viscosity_form == "central";
   plan.spread = plan.spread && scene.fluid.redistribution_iterations > 0;
   plan.tension = plan.tension && plan.spread;
   for (std::uint32_t i = fluid.first; i < fluid.first + fluid.count; ++i)
@@ -110,9 +115,10 @@ void list_forces(const FluidForcePlan& plan, const FluidModel& fluid, bool stati
     constexpr std::size_t group = kernels::fluid_viscosity_product::group_size;
     buffer("fluid_partial", Type::real4, (places + group - 1) / group);
     buffer("fluid_viscosity", Type::real, VISCOSITY_ENTRIES);
-    kernel(kernels::fluid_viscosity_begin::Args{.ghosts = plan.ghosts, .mixed = plan.viscosities});
+    kernel(kernels::fluid_viscosity_begin::Args{
+        .ghosts = plan.ghosts, .mixed = plan.viscosities, .central = plan.central});
     kernel(kernels::fluid_viscosity_control::Args{.start = 1});
-    kernel(kernels::fluid_viscosity_product::Args{});
+    kernel(kernels::fluid_viscosity_product::Args{.central = plan.central});
     kernel(kernels::fluid_viscosity_control::Args{});
     kernel(kernels::fluid_viscosity_update::Args{});
     kernel(kernels::fluid_viscosity_apply::Args{});
@@ -205,14 +211,16 @@ void FluidForces::viscosity(double step) {
   const auto buffer = [&](const char* name) { return fluid_.buffer(name); };
   device_.enter("viscosity");
   kernels::fluid_viscosity_begin::Args begin{
-      .threads = places, .ghosts = plan.ghosts, .mixed = plan.viscosities};
+      .threads = places, .ghosts = plan.ghosts, .mixed = plan.viscosities, .central = plan.central};
   in_space(begin, fluid_);
   const double volume = std::pow(model.spacing, model.smoothing.dimension);
-  begin.coupling =
-      step * volume * volume * model.smoothing.viscous() / model.smoothing.lattice_viscosity(model.spacing);
+  const double lattice = plan.central ? model.smoothing.lattice_central_viscosity(model.spacing)
+                                      : model.smoothing.lattice_viscosity(model.spacing);
+  begin.coupling = step * volume * volume * model.smoothing.viscous() / lattice;
   begin.least_distance = least_wall_distance * model.spacing;
   begin.fluid_material = buffer("fluid_material");
   begin.fluid_velocity = buffer("fluid_velocity");
+  begin.fluid_start = buffer("fluid_start");
   begin.near_rate = buffer("near_rate");
   begin.fluid_residual = buffer("fluid_residual");
   begin.fluid_partial = buffer("fluid_partial");
@@ -228,11 +236,13 @@ void FluidForces::viscosity(double step) {
   control.fluid_viscosity = buffer("fluid_viscosity");
   device_.run(control);
   control.start = 0;
-  kernels::fluid_viscosity_product::Args product{.threads = places};
+  kernels::fluid_viscosity_product::Args product{.threads = places, .central = plan.central};
   in_lists(product, fluid_);
+  in_periods(product, model);
   product.near_rate = buffer("near_rate");
   product.fluid_residual = buffer("fluid_residual");
   product.fluid_viscosity = buffer("fluid_viscosity");
+  product.fluid_start = buffer("fluid_start");
   product.fluid_image = buffer("fluid_image");
   product.fluid_partial = buffer("fluid_partial");
   const kernels::fluid_viscosity_update::Args update{.threads = places,

@@ -23,6 +23,7 @@ class Fluid;
 struct FluidForcePlan {
   bool ghosts = false;
   bool viscous = false, viscosities = false; ///< more than one
+  bool central = false;                      ///< viscous forces along lines of centres
   bool spread = false, tension = false, masses = false;
   std::uint32_t form = 0; ///< of the redistribution; see fluid_redistribute.decl
   double sign = 1;        ///< of form 2

@@ -28,6 +28,7 @@ TEST(FluidScene, KeysAreRead) {
   text.insert(text.find("surface_tension"), "tensile_strength = 300\n");
   const Scene scene =
       parsed(text + "[fluid]\nhorizon = 2.6\ndensity_iterations = 7\nneighbours = 80\n"
+                    "viscosity_form = \"central\"\n"
                     "[domain]\nlow = [-2, -1, -1]\nhigh = [2, 1, 1]\nperiodic = [true, false, true]\n");
   ASSERT_TRUE(scene.flows());
   EXPECT_EQ(scene.materials[0].viscosity, 0.5);
@@ -37,6 +38,8 @@ TEST(FluidScene, KeysAreRead) {
   EXPECT_EQ(scene.fluid.horizon, 2.6);
   EXPECT_EQ(scene.fluid.density_iterations, 7u);
   EXPECT_EQ(scene.fluid.neighbours, 80u);
+  EXPECT_EQ(scene.fluid.viscosity_form, "central");
+  EXPECT_EQ(parsed(water).fluid.viscosity_form, "laplacian");
   EXPECT_TRUE(scene.domain.given);
   EXPECT_EQ(scene.domain.low.x(), -2);
   EXPECT_EQ(scene.domain.periodic, (std::array{true, false, true}));

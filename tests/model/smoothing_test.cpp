@@ -55,8 +55,12 @@ TEST(Smoothing, SumsOverLattices) {
                    viscosity = s.lattice_viscosity(0.02) - 1, limit = horizon > 10 ? 2e-3 : 0.2;
       expect_below("density of a lattice - 1", std::abs(density), limit);
       expect_below("viscosity of a lattice - 1", std::abs(viscosity), limit);
+      expect_below("(d + 2) that of central forces - 1",
+                   std::abs((dimension + 2) * s.lattice_central_viscosity(0.02) - 1), limit);
     }
   const Smoothing s{2.1, 3};
+  // Sheared along its axes a lattice resists a little more than in the mean over all directions.
+  EXPECT_NEAR(5 * s.lattice_central_viscosity(1) / s.lattice_viscosity(1), 1.0287, 1e-3);
   EXPECT_EQ(s.lattice_sum(1, [](double) { return 1.; }), 33); // 1 + 6 + 12 + 8 + 6
 }
 

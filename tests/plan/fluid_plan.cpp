@@ -1,5 +1,7 @@
 // The plan and the truth of fluids.
 #include "kernels/fluid_lambda.h"
+#include "kernels/fluid_viscosity_begin.h"
+#include "kernels/fluid_viscosity_product.h"
 #include "tests/plan/truth.h"
 
 #include <algorithm>
@@ -75,10 +77,44 @@ TEST_P(FluidPlanTruth, ForcesOnFluidsAreThoseAskedFor) {
           kernel_variant(kernels::fluid_lambda::Args{.walls = 1, .pulls = 1}, "").options;
       EXPECT_EQ(std::any_of(truth.plan.kernels.begin(), truth.plan.kernels.end(),
                             [&](const KernelSpec& kernel) {
-                              return kernel.info->name == std::string("fluid_lambda") && kernel.options == pulls;
+                              return kernel.info->name == std::string("fluid_lambda") &&
+                                     kernel.options == pulls;
                             }),
                 viscous);
     }
+}
+
+// Viscosity along lines of centres: scenes without it compile none of it, and with it nothing of the other.
+TEST_P(FluidPlanTruth, FormOfViscosityIsTheOneAskedFor) {
+  for (const bool central : {false, true}) {
+    PlanScene made = elastic_only();
+    Material water;
+    water.name = "water";
+    water.model = "fluid";
+    water.viscosity = 1;
+    made.scene.materials = {water};
+    made.scene.bodies.emplace_back().material = "water";
+    if (central) made.scene.fluid.viscosity_form = "central";
+    made.model = assemble_points(lattice_box(4, 4, 5, 0.02), 0.02, 1.87, water, 8e-6);
+    const Truth truth = expect_truth(GetParam(), made, "fluid");
+    std::size_t found = 0;
+    for (const KernelSpec& kernel : truth.plan.kernels) {
+      const std::string name = kernel.info->name;
+      if (name == "fluid_viscosity_begin") {
+        EXPECT_EQ(kernel.options,
+                  kernel_variant(kernels::fluid_viscosity_begin::Args{.central = central}, "").options);
+        ++found;
+      } else if (name == "fluid_viscosity_product") {
+        EXPECT_EQ(kernel.options,
+                  kernel_variant(kernels::fluid_viscosity_product::Args{.central = central}, "").options);
+        ++found;
+      }
+    }
+    EXPECT_EQ(found, 2u);
+    made.scene.materials[0].viscosity = 0;
+    for (const KernelSpec& kernel : expect_truth(GetParam(), made, "fluid").plan.kernels)
+      EXPECT_NE(std::string(kernel.info->name).rfind("fluid_viscosity", 0), 0u);
+  }
 }
 
 // Of bonds between fluid particles, what flows, what redistribution asks of them: what is planned is what

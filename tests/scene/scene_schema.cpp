@@ -65,7 +65,7 @@ std::string good_table(const Table& table, const Key* also) {
   const auto named = [&](auto... names) { return also && ((also->name == names) || ...); };
   const bool plain = named("law", "young", "poisson", "fracture_energy", "critical_stretch");
   const bool bonded = named("relaxation_time"),
-             fluid = bonded || named("viscosity", "redistribution", "surface_tension");
+             fluid = bonded || named("viscosity", "redistribution", "surface_tension", "tensile_strength");
   if (&table == &schema::material_table() && fluid)
     text += bonded ? ", model = \"viscoelastic\"" : ", model = \"fluid\"";
   if (&table == &schema::material_table() && also && also->applies && !plain && !fluid) {

@@ -9,6 +9,8 @@ namespace pliant::openmp::PLIANT_ISA {
 
 template <class real> void fluid_viscosity_begin(const kernels::fluid_viscosity_begin::View<real>& k) {
   constexpr uint group = kernels::fluid_viscosity_begin::group_size;
+  // Particles nearer to each other are held to be as far, whatever the direction.
+  const real least_arm = real(1e-3) * k.support, least_square = least_arm * least_arm;
   const Wide<real> none{};
   const real per_support = 1 / k.support;
   const auto viscosity_of = [&](Wide<real> material, WideMask<real> is_fluid) {
@@ -27,6 +29,7 @@ template <class real> void fluid_viscosity_begin(const kernels::fluid_viscosity_
     for (uint first = group * block; first < smaller(group * (block + 1), k.threads); first += lanes<real>) {
       const Part<real> part = make_part<real>(first, k.threads - first);
       const Wide4<real> place = gather(k.fluid_place, part.index), v = gather(k.fluid_velocity, part.index);
+      const Wide4<real> start = k.central ? gather(k.fluid_start, part.index) : Wide4<real>{};
       const Wide<real> mu = viscosity_of(v.w, place.w > 0);
       const Wide<real> per_mass = k.coupling / (place.w > 0 ? place.w : none + 1);
       real* const first_rate = k.near_rate + (std::size_t{16} * k.rows * (first / 16) + first % 16);
@@ -58,9 +61,16 @@ template <class real> void fluid_viscosity_begin(const kernels::fluid_viscosity_
             ghosts |= d.w < 0;
           }
           rate = place.w > 0 ? rate : none;
+          Wide3<real> faster{w.x - v.x, w.y - v.y, w.z - v.z};
+          if (k.central) {
+            const Wide3<real> arm = from_near(k, k.fluid_start, start, neighbours);
+            const Wide<real> square = dot(arm, arm), along = dot(arm, faster);
+            rate /= square > least_square ? square : spread(least_square);
+            faster = {along * arm.x, along * arm.y, along * arm.z};
+          }
           store_reals(rates, lanes<real>, rate);
           rates += 16;
-          change.x += rate * (w.x - v.x), change.y += rate * (w.y - v.y), change.z += rate * (w.z - v.z);
+          change.x += rate * faster.x, change.y += rate * faster.y, change.z += rate * faster.z;
         });
         return bits<real>(ghosts) != 0;
       };

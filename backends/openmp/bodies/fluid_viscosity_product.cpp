@@ -15,6 +15,7 @@ template <class real> void fluid_viscosity_product(const kernels::fluid_viscosit
     for (uint first = group * block; first < smaller(group * (block + 1), k.threads); first += lanes<real>) {
       const Part<real> part = make_part<real>(first, k.threads - first);
       const Wide4<real> u = gather(k.fluid_residual, part.index);
+      const Wide4<real> start = k.central ? gather(k.fluid_start, part.index) : Wide4<real>{};
       Wide3<real> w{u.x, u.y, u.z};
       const uint slice = first / 16;
       const std::size_t begin = std::size_t{16} * k.rows * slice + first % 16;
@@ -24,7 +25,13 @@ template <class real> void fluid_viscosity_product(const kernels::fluid_viscosit
         __builtin_prefetch(k.near_rate + at + std::size_t{16} * k.rows);
         const Wide4<real> other = gather_near(k.fluid_residual, k.near + at);
         const Wide<real> rate = load_wide(k.near_rate + at);
-        w.x += rate * (u.x - other.x), w.y += rate * (u.y - other.y), w.z += rate * (u.z - other.z);
+        Wide3<real> faster{u.x - other.x, u.y - other.y, u.z - other.z};
+        if (k.central) {
+          const Wide3<real> arm = from_near(k, k.fluid_start, start, k.near + at);
+          const Wide<real> along = dot(arm, faster);
+          faster = {along * arm.x, along * arm.y, along * arm.z};
+        }
+        w.x += rate * faster.x, w.y += rate * faster.y, w.z += rate * faster.z;
       }
       store(k.fluid_image + first, part.count, Wide4<real>{w.x, w.y, w.z, {}});
       const Wide<real> square = u.w * (u.x * u.x + u.y * u.y + u.z * u.z);
