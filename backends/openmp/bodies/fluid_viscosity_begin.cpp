@@ -7,7 +7,10 @@
 
 namespace pliant::openmp::PLIANT_ISA {
 
-template <class real> void fluid_viscosity_begin(const kernels::fluid_viscosity_begin::View<real>& k) {
+namespace {
+
+template <bool central, class real>
+PLIANT_INLINE void begin(const kernels::fluid_viscosity_begin::View<real>& k) {
   constexpr uint group = kernels::fluid_viscosity_begin::group_size;
   // Particles nearer to each other are held to be as far, whatever the direction.
   const real least_arm = real(1e-3) * k.support, least_square = least_arm * least_arm;
@@ -29,7 +32,7 @@ template <class real> void fluid_viscosity_begin(const kernels::fluid_viscosity_
     for (uint first = group * block; first < smaller(group * (block + 1), k.threads); first += lanes<real>) {
       const Part<real> part = make_part<real>(first, k.threads - first);
       const Wide4<real> place = gather(k.fluid_place, part.index), v = gather(k.fluid_velocity, part.index);
-      const Wide4<real> start = k.central ? gather(k.fluid_start, part.index) : Wide4<real>{};
+      const Wide4<real> start = central ? gather(k.fluid_start, part.index) : Wide4<real>{};
       const Wide<real> mu = viscosity_of(v.w, place.w > 0);
       const Wide<real> per_mass = k.coupling / (place.w > 0 ? place.w : none + 1);
       real* const first_rate = k.near_rate + (std::size_t{16} * k.rows * (first / 16) + first % 16);
@@ -62,7 +65,7 @@ template <class real> void fluid_viscosity_begin(const kernels::fluid_viscosity_
           }
           rate = place.w > 0 ? rate : none;
           Wide3<real> faster{w.x - v.x, w.y - v.y, w.z - v.z};
-          if (k.central) {
+          if constexpr (central) {
             const Wide3<real> arm = from_near(k, k.fluid_start, start, neighbours);
             const Wide<real> square = dot(arm, arm), along = dot(arm, faster);
             rate /= square > least_square ? square : spread(least_square);
@@ -93,6 +96,15 @@ template <class real> void fluid_viscosity_begin(const kernels::fluid_viscosity_
     }
     k.fluid_partial[block] = {energy, 0, 0, 0};
   }
+}
+
+} // namespace
+
+template <class real> void fluid_viscosity_begin(const kernels::fluid_viscosity_begin::View<real>& k) {
+  if (k.central)
+    begin<true>(k);
+  else
+    begin<false>(k);
 }
 
 PLIANT_BODY(fluid_viscosity_begin)
