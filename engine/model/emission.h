@@ -5,8 +5,8 @@
 //      . . . . .   nozzle, of `point`s          layer k is born at start + k spacing / speed
 //      . . . . .   one spacing on               and counts in every step that ends after that
 //      . . . . .   |  velocity
-//     -----------  v                            as far as the horizon from the nozzle a layer is held: it goes
-//      . . . . .                                on at its speed, whatever pulls at it; then it is free
+//     -----------  v                            as far as the horizon from the nozzle a layer is held: it
+//      . . . . .                                goes on at its speed, whatever pulls at it; then it is free
 //
 // What falls away faster than it comes, as honey does, hangs from the layers that are held, and thins; it
 // tears where its material does. Free from the start, it would leave the nozzle by more than the horizon

@@ -292,8 +292,9 @@ const Table& material_table() {
         .range = {.low = 0, .high = 1, .why = "a stronger pull moves particles through each other"},
         .applies = fluid},
        {.name = "tensile_strength",
-        .meaning = "models \"fluid\" and \"viscoelastic\": pull that the inside bears before it parts, so that "
-                   "what is drawn out gets thinner; by default it parts at once, as spray and sand do",
+        .meaning =
+            "models \"fluid\" and \"viscoelastic\": pull that the inside bears before it parts, so that "
+            "what is drawn out gets thinner; by default it parts at once, as spray and sand do",
         .slot = at<&Material::tensile_strength>,
         .unit = "Pa",
         .range = {.low = 0, .why = "it is a pull"},

@@ -187,7 +187,8 @@ void Fluid::find(double step) {
   gather.fluid_start = buffer("fluid_start");
   device_.run(gather);
   forces_->gather_ghosts();
-  kernels::near_find::Args near{.threads = places, .places = places, .rows = plan_.model.rows, .particle_count = n};
+  kernels::near_find::Args near{
+      .threads = places, .places = places, .rows = plan_.model.rows, .particle_count = n};
   near.reach = plan_.model.list_reach;
   in_lattice(near);
   in_period(near);

@@ -114,7 +114,8 @@ TEST_P(Emitters, RopesHangFromTheirNozzle) {
     const double time = (k + 1) / 64.;
     const Points at = simulation.positions(), speed = simulation.velocities();
     for (std::size_t i = 0; i < simulation.fluid()->flow()->emitted(); ++i) {
-      const double age = time - 0.1 * double(i / 8);
+      const std::size_t layer = i / 8;
+      const double age = time - 0.1 * double(layer);
       if (age > 0.2) continue;
       away = std::max({away, std::abs(at[i].y() - (2 - age)), std::abs(speed[i].y() + 1)});
       ++held;

@@ -174,7 +174,7 @@ TEST_P(FluidStep, FarFromObstaclesNothingIsPushed) {
   Random random(21);
   Values in{{"obstacles", {1}}, {"radius", {0.0625}}, {"support", {0.25}}, {"share", {0.75}}};
   in["obstacle"] = std::vector<double>(4 * OBSTACLES * OBSTACLE_ROWS, 0.0);
-  for (int a = 0; a < 3; ++a) in["obstacle"][std::size_t(4 * (OBSTACLE_AXES + a) + a)] = 1;
+  for (int a = 0; a < 3; ++a) in["obstacle"][4 * (OBSTACLE_AXES + std::size_t(a)) + std::size_t(a)] = 1;
   in["obstacle"][4 * OBSTACLE_KIND] = OBSTACLE_PLANE;
   in["obstacle"][4 * OBSTACLE_CENTRE + 3] = rounded(1e18);
   in["fluid_start"] = random_groups(random, size, 1);

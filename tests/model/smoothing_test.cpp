@@ -35,7 +35,8 @@ TEST(Smoothing, DerivativesAreThoseOfTheValues) {
   for (const int dimension : {2, 3}) {
     const Smoothing s{1.5, dimension};
     double worst = 0;
-    for (double r = 0.03; r < 1.6; r += 0.0137) {
+    for (int k = 0; k < 115; ++k) {
+      const double r = 0.03 + 0.0137 * k;
       const double step = 1e-5;
       worst = std::max(worst, std::abs(s.spline_derivative(r) -
                                        (s.spline_value(r + step) - s.spline_value(r - step)) / (2 * step)));

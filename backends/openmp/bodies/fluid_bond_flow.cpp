@@ -8,8 +8,7 @@ namespace pliant::openmp::PLIANT_ISA {
 namespace {
 
 /// Which of the others that do not move are ghosts.
-template <class View, class Mask>
-PLIANT_INLINE Mask ghosts(const View& k, const uint* others, Mask still) {
+template <class View, class Mask> PLIANT_INLINE Mask ghosts(const View& k, const uint* others, Mask still) {
   if (!bits<typename View::real>(still)) return still;
   for (uint lane = 0; lane < lanes<typename View::real>; ++lane)
     if (still[lane] && k.fluid_was[others[lane]].y != FAMILY_GHOST) still[lane] = 0;

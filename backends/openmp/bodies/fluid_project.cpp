@@ -58,7 +58,8 @@ PLIANT_INLINE Vec3<real> pushed(const kernels::fluid_project::View<real>& k, uin
                            dot(xyz(shift[2]), from) + shift[2].w};
   Vec3<real> slide = moved - carried;
   slide = slide - (dot(gradient, slide) / steep2) * gradient;
-  const real slid = norm(slide), held = traits.z == OBSTACLE_STICKS ? slid : smaller(slid, traits.y * norm(push));
+  const real slid = norm(slide),
+             held = traits.z == OBSTACLE_STICKS ? slid : smaller(slid, traits.y * norm(push));
   return held > 0 ? push - (held / slid) * slide : push;
 }
 
