@@ -17,8 +17,8 @@
 // In sorted order a particle's neighbours lie in a few straight runs, and the order depends on nothing but
 // the positions. Multipliers are summed over the iterations, kept at or below zero as a sum, and a step
 // starts with those of the last: a column at rest then holds itself, where starting from nothing each step it
-// would sink until its bottom is dense enough to carry the rest. Where a fluid has a tensile strength they may
-// pull too, up to that; of a pull nothing is kept for the next step.
+// would sink until its bottom is dense enough to carry the rest. Where a fluid has a tensile strength they
+// may pull too, up to that; of a pull nothing is kept for the next step.
 //
 // Velocities are what has moved in a step over the step, and that is summed on its own (fluid_moved): as a
 // difference of places, rounded where they are far from where these count from, backends would differ by ten
