@@ -60,28 +60,33 @@ std::vector<Vector3> nozzle_points(const Scene& scene, const Emitter& emitter) {
   return points;
 }
 
-void check_place(const Scene& scene, const Emitter& emitter, const std::vector<Vector3>& points) {
+/// Of the nozzle, and of where it lets go of its layers.
+void check_place(const Scene& scene, const Emitter& emitter, const std::vector<Vector3>& nozzle) {
+  const Vector3 held = scene.fluid.horizon * scene.simulation.spacing * emitter.direction;
+  std::vector<Vector3> points = nozzle;
+  for (const Vector3& p : nozzle) points.insert(points.end(), {p + held / 2, p + held});
   for (const Boundary& boundary : scene.boundaries) {
     const ShapeQuery query(boundary.shape, scene.file.parent_path());
     for (const Vector3& p : points)
       if (boundary.inside ? query.signed_distance(emitter.at + p) > 0
                           : query.signed_distance(emitter.at + p) < 0)
         throw wrong(scene, emitter,
-                    fmt::format("the nozzle reaches into obstacle '{}' at ({:.4g}, {:.4g}, {:.4g}) m: move "
-                                "one of them",
-                                boundary.name, emitter.at.x() + p.x(), emitter.at.y() + p.y(),
+                    fmt::format("the nozzle, or the {:.4g} m that it holds its layers, reaches into obstacle "
+                                "'{}' at ({:.4g}, {:.4g}, {:.4g}) m: move one of them",
+                                held.norm(), boundary.name, emitter.at.x() + p.x(), emitter.at.y() + p.y(),
                                 emitter.at.z() + p.z()));
   }
   if (!scene.domain.given) return;
-  for (const Vector3& p : points)
+  for (std::size_t i = 0; i < points.size(); ++i)
     for (int a = 0; a < 3; ++a) {
-      const double at = emitter.at[a] + p[a];
+      const double at = emitter.at[a] + points[i][a];
       if (scene.simulation.dimension == 2 && a == 2) continue;
+      if (i >= nozzle.size() && scene.domain.periodic[static_cast<std::size_t>(a)]) continue;
       if (at < scene.domain.low[a] || at > scene.domain.high[a])
         throw wrong(scene, emitter,
-                    fmt::format("the nozzle reaches to {} = {:.4g} m, outside the domain, which goes from "
-                                "{:.4g} to {:.4g} m",
-                                "xyz"[a], at, scene.domain.low[a], scene.domain.high[a]));
+                    fmt::format("the nozzle, or the {:.4g} m that it holds its layers, reaches to {} = "
+                                "{:.4g} m, outside the domain, which goes from {:.4g} to {:.4g} m",
+                                held.norm(), "xyz"[a], at, scene.domain.low[a], scene.domain.high[a]));
     }
 }
 

@@ -44,9 +44,9 @@ struct Emission {
 bool may_leave(const Scene& scene);
 
 /// Appends the emitters' particles to a model of the scene's bodies, without mass on the device until they
-/// are born. Throws Error(usage): a nozzle that holds no particle, lies in an obstacle, outside the domain or
-/// across another; a capacity below the bodies' particles; none where an emitter has no end.
-/// Error(too_large): memory.
+/// are born. Throws Error(usage): a nozzle that holds no particle, lies, or lets go of its layers, in an
+/// obstacle or outside the domain, or lies across another; a capacity below the bodies' particles; none where
+/// an emitter has no end. Error(too_large): memory.
 void add_emitters(const Scene& scene, Model& model);
 
 /// Of a model that add_emitters() has seen, in the scene's order.

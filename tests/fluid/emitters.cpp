@@ -427,11 +427,17 @@ TEST(Emitter, WrongOnesAreRefused) {
               HasSubstr("s.toml:3:12: simulation.capacity = 1000 is below the 8000 particles"));
   EXPECT_THAT(refused(with("nozzle = { disc = 0.04 }")),
               HasSubstr("s.toml:8:10: emitter 'emitter-0': the nozzle is 0.08 m wide, less than a spacing"));
-  EXPECT_THAT(refused(with("at = [0, 1, 0]", "[[boundary]]\nname = \"wall\"\nshape = { box = [1, 1, 1], at = "
-                                             "[0.5, 1, 0] }\n")),
-              HasSubstr("s.toml:10:10: emitter 'emitter-0': the nozzle reaches into obstacle 'wall'"));
+  EXPECT_THAT(
+      refused(with("at = [0, 1, 0]", "[[boundary]]\nname = \"wall\"\nshape = { box = [1, 1, 1], at = "
+                                     "[0.5, 1, 0] }\n")),
+      HasSubstr("s.toml:10:10: emitter 'emitter-0': the nozzle, or the 0.21 m that it holds its layers, "
+                "reaches into obstacle 'wall'"));
+  const std::string floor = "[[boundary]]\nname = \"floor\"\nshape = { plane = [0, 1, 0], offset = ";
+  EXPECT_THAT(refused(with("at = [0, 1, 0]\ndirection = [0, -1, 0]", floor + "0.8 }\n")),
+              HasSubstr("reaches into obstacle 'floor' at (-0.15, 0.79, -0.05) m"));
+  EXPECT_EQ(refused(with("at = [0, 1, 0]\ndirection = [0, -1, 0]", floor + "0.78 }\n")), "");
   EXPECT_THAT(refused(with("at = [0, 1, 0]", "[domain]\nlow = [-1, -1, -0.1]\nhigh = [1, 2, 1]\n")),
-              HasSubstr("the nozzle reaches to z = -0.15 m, outside the domain"));
+              HasSubstr("holds its layers, reaches to z = -0.15 m, outside the domain"));
   EXPECT_THAT(refused(with("at = [0, 1, 0]", "[[emitter]]\nname = \"b\"\nmaterial = \"water\"\nat = [0.1, 1, "
                                              "0]\nnozzle = { disc = 0.1 }\nspeed = 1\n")),
               HasSubstr("s.toml:16:10: emitter 'b': the nozzle overlaps that of emitter 'emitter-0'"));
