@@ -434,7 +434,7 @@ TEST(Emitter, WrongOnesAreRefused) {
                 "reaches into obstacle 'wall'"));
   const std::string floor = "[[boundary]]\nname = \"floor\"\nshape = { plane = [0, 1, 0], offset = ";
   EXPECT_THAT(refused(with("at = [0, 1, 0]\ndirection = [0, -1, 0]", floor + "0.8 }\n")),
-              HasSubstr("reaches into obstacle 'floor' at (-0.15, 0.79, -0.05) m"));
+              HasSubstr("reaches into obstacle 'floor' at (-0.05, 0.79, -0.15) m"));
   EXPECT_EQ(refused(with("at = [0, 1, 0]\ndirection = [0, -1, 0]", floor + "0.78 }\n")), "");
   EXPECT_THAT(refused(with("at = [0, 1, 0]", "[domain]\nlow = [-1, -1, -0.1]\nhigh = [1, 2, 1]\n")),
               HasSubstr("holds its layers, reaches to z = -0.15 m, outside the domain"));
