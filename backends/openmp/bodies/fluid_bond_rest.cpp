@@ -2,7 +2,6 @@
 #include "kernels/fluid_bond_rest.h"
 #include "backends/openmp/body.h"
 #include "backends/openmp/fluid_bonds.h"
-#include "shaders/common/fluid_bond.glsl"
 
 namespace pliant::openmp::PLIANT_ISA {
 
